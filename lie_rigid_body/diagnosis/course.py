@@ -1,8 +1,9 @@
 """Courses: a body that rests and then turns, the readings of perfect sensors, and at most one disturbance.
 
-A course begins at rest. The rest is longer than any shift in time that is tried, so that a shifted reading is right
-there. Then the body gathers speed within `RAMP` along the path of its free motion, so that the gyro's readings do not
-jump. After that the motion is free.
+A course begins with a rest in which the filter settles; its answers to these readings are dropped. A second at rest
+follows, longer than any shift in time that is tried, so that a shifted reading is right there. Then the body gathers
+speed within `RAMP` along the path of its free motion, so that the gyro's readings do not jump. After that the motion is
+free. A free course has neither a rest nor a ramp.
 """
 
 from __future__ import annotations
@@ -10,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 
 from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
+from lie_rigid_body.evaluation.causes import UP
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
@@ -22,6 +24,7 @@ from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import read_parameters
+from lie_rigid_body.sensors import GRADES
 
 GYRO_KINDS: Final = ("integrated", "instantaneous")
 """Kinds of gyro: values of the parameter ``gyro_rate``."""
@@ -32,6 +35,10 @@ RAMP: Final = 0.5
 """Time in which the motion gathers speed, s."""
 MOVING: Final = 12.0
 """Length of the motion of an ordinary course, s."""
+TURN: Final = 2.0
+"""Time in which a body is turned from one heading to the next, s."""
+HOLD: Final = 30.0
+"""Time for which it is held at each, s."""
 MARGIN: Final = 64
 """Number of extra readings before and after those that a filter is given, which a repair may shift in."""
 
@@ -80,6 +87,10 @@ class Course(Truth):
         The motion, the rates and the kind of the gyro.
     moving_s, rest_s : float
         Length of the motion and of the rest before it, s.
+    settle_s : float
+        Length of the first rest, in which the filter settles, s.
+    ramp_s : float
+        Time in which the motion gathers speed, s.
     grid : str
         How stamps follow each other: ``even``; ``alternating``, steps of 2/3 and 4/3 in turn; ``walk``, steps at random
         from 2/3 to 4/3.
@@ -89,15 +100,20 @@ class Course(Truth):
         Sensors, by the names of their readings, and their constant errors, rad/s, m/s² or T.
     seed : int
         Number from which the white noise follows whose densities the scenario tells.
+    is_rounded : bool
+        Whether matrices of attitudes are rounded to whole numbers: those of the rotations of a cube are exact.
     """
 
     scenario: Scenario
     moving_s: float = MOVING
     rest_s: float = REST
+    settle_s: float = 0.0
+    ramp_s: float = RAMP
     grid: str = "even"
     gaps_s: tuple[float, ...] = ()
     off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
+    is_rounded: bool = False
     first_ns = -(2**62)
     last_ns = 2**62
 
@@ -108,8 +124,32 @@ class Course(Truth):
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitudes, shape (..., 4), and body rates, rad/s, shape (..., 3)."""
         stamps = np.asarray(stamps_ns, dtype=np.int64)
-        attitude, rate = _states(self.scenario, self.rest_s, stamps.tobytes())
+        attitude, rate = _states(self.scenario, self.settle_s + self.rest_s, self.ramp_s, stamps.tobytes())
         return attitude.reshape(*stamps.shape, 4), rate.reshape(*stamps.shape, 3)
+
+    @property
+    def begin_ns(self) -> int:
+        """First stamp whose answer counts, ns."""
+        return round(1e9 * self.settle_s)
+
+    @property
+    def counted_s(self) -> float:
+        """Length of the part whose answers count, s."""
+        return self.rest_s + self.moving_s
+
+    @property
+    def updates(self) -> int:
+        """Number of readings of the IMU."""
+        return round((self.settle_s + self.counted_s) * self.rate)
+
+    @property
+    def rate(self) -> float:
+        """Readings of the gyro a second."""
+        return float(self.parameter("imu_rate"))
+
+    def free(self) -> Course:
+        """The motion of the course without a rest: that of a free body from the first stamp on."""
+        return replace(self, rest_s=0.0, settle_s=0.0, ramp_s=0.0)
 
     def of_scenario(self, **parameters: object) -> Course:
         """The course with some parameters of its scenario changed."""
@@ -124,6 +164,12 @@ class Course(Truth):
         """A parameter of the scenario."""
         return self.scenario.value(name)
 
+    def in_body(self, attitude_xyzw: Array, vector: Array) -> Array:
+        """A vector of the world on the axes of the body at some attitudes, shape (N, 3)."""
+        if not self.is_rounded:
+            return quaternion.rotate(quaternion.conjugate(attitude_xyzw), vector)
+        return vector @ np.rint(quaternion.to_matrix(attitude_xyzw)) + 0.0  # which makes -0.0 a zero
+
     @property
     def field(self) -> Array:
         """Magnetic field in the world, T, shape (3,)."""
@@ -132,17 +178,40 @@ class Course(Truth):
     @property
     def turn(self) -> float:
         """Mean turn between two readings of the gyro while the body moves, rad."""
-        times = np.linspace(self.rest_s, self.rest_s + self.moving_s, 500) * 1e9
+        times = (self.settle_s + self.rest_s + np.linspace(0.0, self.moving_s, 500)) * 1e9
         return float(np.mean(norm(self.states(times.astype(np.int64))[1])) / self.parameter("imu_rate"))
 
 
-@lru_cache(maxsize=512)  # fits ask again and again at the same stamps
-def _states(scenario: Scenario, rest_s: float, stamps_ns: bytes) -> tuple[Array, Array]:
+@dataclass(frozen=True)
+class Headings(Course):
+    """A body that is turned about the vertical from one of eight headings to the next, and held at each."""
+
+    moving_s: float = 8.0 * (TURN + HOLD)
+
+    def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
+        """Attitudes, shape (..., 4), and body rates, rad/s, shape (..., 3)."""
+        since = np.asarray(stamps_ns) / 1e9 - self.settle_s - self.rest_s
+        place = np.maximum(since, 0.0) / (TURN + HOLD)
+        whole, u = np.floor(place), np.minimum((place % 1.0) * (TURN + HOLD) / TURN, 1.0)
+        angle = 0.25 * np.pi * (whole + u * u * (3.0 - 2.0 * u))
+        start = self.scenario.start().attitude_xyzw
+        rate = 0.25 * np.pi * 6.0 * u * (1.0 - u) / TURN
+        attitude = quaternion.multiply(quaternion.exp(angle[..., np.newaxis] * UP), start)
+        return attitude, rate[..., np.newaxis] * quaternion.rotate(quaternion.conjugate(start), UP)
+
+
+@lru_cache(maxsize=128)  # fits ask again and again at the same stamps
+def _states(scenario: Scenario, rest_s: float, ramp_s: float, stamps_ns: bytes) -> tuple[Array, Array]:
     since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - rest_s
-    u = np.clip(since / RAMP, 0.0, 1.0)
-    passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)  # time on the path of the free motion
+    motion = scenario.exact_motion()
+    if not ramp_s:
+        states = motion.at(np.round(since * 1e9).astype(np.int64))
+        return states.attitude_xyzw, states.body_rate
+    u = np.clip(since / ramp_s, 0.0, 1.0)
+    passed = ramp_s * u**3 * (1.0 - 0.5 * u) + np.maximum(since - ramp_s, 0.0)  # time on the path of the free motion
     speed = u * u * (3.0 - 2.0 * u)
-    states = scenario.exact_motion().at(np.round(passed * 1e9).astype(np.int64))
+    times, place = np.unique(np.round(passed * 1e9).astype(np.int64), return_inverse=True)  # a rest is one time
+    states = motion.at(times)[place]
     return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
 
 
@@ -176,9 +245,9 @@ class Readings:
         return BlindRun.of_readings(self.course.scenario, self.t_ns[imu], vectors, self.field_t_ns[magnetometer])
 
     def _given(self, stamps_ns: Integers) -> Booleans:
-        seconds = stamps_ns / 1e9
+        seconds = (stamps_ns - self.course.begin_ns) / 1e9
         lost = [(seconds >= gap_s) & (seconds < gap_s + 1.0) for gap_s in self.course.gaps_s]
-        return (seconds >= 0.0) & (seconds < self.course.rest_s + self.course.moving_s) & ~np.any(lost, axis=0)
+        return (stamps_ns >= 0) & (seconds < self.course.counted_s) & ~np.any(lost, axis=0)
 
 
 @lru_cache(maxsize=16)
@@ -192,8 +261,8 @@ def readings(course: Course) -> Readings:
         rate = relative_rotations(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
     read = {
         "gyro": rate,
-        "specific_force": quaternion.rotate(quaternion.conjugate(attitude), [0.0, 0.0, course.parameter("gravity")]),
-        "field": quaternion.rotate(quaternion.conjugate(course.at(field_t_ns)), course.field),
+        "specific_force": course.in_body(attitude, course.parameter("gravity") * UP),
+        "field": course.in_body(course.at(field_t_ns), course.field),
     }
     for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):
         deviation = course.parameter(density) * course.parameter(its_rate) ** 0.5
@@ -203,7 +272,7 @@ def readings(course: Course) -> Readings:
 
 def _stamps(course: Course, rate: float) -> Integers:
     """Stamps with a margin before and after; the first that a filter is given is 0."""
-    numbers = np.arange(-MARGIN, np.ceil((course.rest_s + course.moving_s) * rate) + MARGIN)
+    numbers = np.arange(-MARGIN, np.ceil((course.settle_s + course.counted_s) * rate) + MARGIN)
     walk = np.cumsum(1.0 + np.random.default_rng(0).uniform(-1.0, 1.0, len(numbers)) / 3.0)
     grids: dict[str, Array] = {
         "even": numbers,
@@ -251,3 +320,20 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
             "which tells nothing of a filter: let it turn faster, or read it less often"
         )
     return courses
+
+
+def noise_of(given: Mapping[str, object]) -> dict[str, float] | None:
+    """Densities of the noise that parameters give, by a grade of sensors or one by one; None where they give none.
+
+    Raises
+    ------
+    InputError
+        If there is no such grade, or a density is none.
+    """
+    said = {name: given[name] for name in (*NOISE, "sensor_grade") if name in given}
+    if not said:
+        return None
+    read = read_parameters(said)
+    grade = GRADES.get(str(read.get("sensor_grade")), {})
+    every = {**dict.fromkeys(NOISE, 0.0), **grade, **{name: read[name] for name in said}}
+    return {name: cast("float", every[name]) for name in NOISE}

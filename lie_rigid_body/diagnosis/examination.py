@@ -11,10 +11,11 @@ from typing import Any, Final, cast
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.course import REST, Course, courses_of
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
-from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
-from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
+from lie_rigid_body.diagnosis.course import NOISE, TINY, Course, courses_of, noise_of
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, Probe, told, with_unit
+from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER, Answer, Job
+from lie_rigid_body.diagnosis.search import MAX_REST, NEAR, Search, Trial, plain
+from lie_rigid_body.diagnosis.situations import Situation, common, situations
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.causes import or_else
@@ -121,12 +122,18 @@ class FilterDiagnosis(Shown):
         How often the filter was run.
     rms_deg, floor_deg : float
         RMS of the total error without a repair, and the one below which nothing is looked for, degrees.
+    first : tuple of str
+        What is said before all else: that the filter is unstable, or does not hear a sensor.
+    situations : tuple of Situation
+        Where the filter is right and where not, if no repair explains its error.
     remarks : tuple of str
         About the diagnosis itself, in sentences.
     errors : tuple of ErrorOverTime
         Before and after each named repair.
     interrupted : bool
         Whether it was ended before its end.
+    updates : int
+        How many readings of the gyro the filter was given in all runs.
     """
 
     mistakes: tuple[Mistake, ...]
@@ -135,9 +142,12 @@ class FilterDiagnosis(Shown):
     filter_runs: int
     rms_deg: float
     floor_deg: float
+    first: tuple[str, ...] = ()
+    situations: tuple[Situation, ...] = ()
     remarks: tuple[str, ...] = ()
     errors: tuple[ErrorOverTime, ...] = ()
     interrupted: bool = False
+    updates: int = 0
 
     def __repr__(self) -> str:
         """The verdict; no call, as only `diagnose` makes one."""
@@ -146,26 +156,28 @@ class FilterDiagnosis(Shown):
     @property
     def passed(self) -> bool:
         """Whether there is neither a mistake nor a probe that failed."""
-        return not self.mistakes and all(probe.passed for probe in self.probes)
+        return not self.mistakes and not self.failed
+
+    @property
+    def failed(self) -> list[Probe]:
+        """Probes that failed."""
+        return [probe for probe in self.probes if probe.passed is False]
 
     @property
     def sentences(self) -> list[str]:
-        """Headline for a person: the mistakes, or that there is none, and the probes that failed."""
-        if self.mistakes:
-            return [mistake.message for mistake in self.mistakes]
-        said = (
-            f"Nothing {'so far' if self.interrupted else 'that was tried'} removes the error of {degrees(self.rms_deg)}"
-            if self.rms_deg > self.floor_deg
-            else f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
-        )
-        failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
-        if not failed:
-            return [f"{said}."]
-        first = next(code for code in ("finite", "repeatable", *failed) if code in failed)
-        return [
-            f"{said}; it fails {counted(len(failed), 'probe')}: {', '.join(failed)}.",
-            f"{first}: {failed[first]}.",
-        ]
+        """Headline for a person: the mistakes, or that none is named, and each probe that failed."""
+        said = [mistake.message for mistake in self.mistakes]
+        if not said:
+            judged = sum(probe.passed is not None for probe in self.probes)
+            names = (
+                f"{len(self.failed)} of {counted(judged, 'probe')}: {', '.join(probe.code for probe in self.failed)}"
+            )
+            fails = f", but fails {names}." if self.failed else f", and passes {counted(judged, 'probe')}."
+            right = f"Follows perfect sensors ({degrees(self.rms_deg)}){fails}"
+            wrong = f"Nothing {'so far' if self.interrupted else 'that was tried'} removes the error of "
+            is_right = self.rms_deg <= self.floor_deg or any(note.code == "gyro_scale" for note in self.notes)
+            said = [right if is_right else f"{wrong}{degrees(self.rms_deg)}."]
+        return [*self.first, *said, *(f"{probe.code}: {probe.message}." for probe in self.failed)]
 
     def to_dict(self) -> dict[str, Any]:
         """The entries of ``diagnose --json``."""
@@ -173,6 +185,7 @@ class FilterDiagnosis(Shown):
             "mistakes": [{**asdict(mistake), "or_else": list(mistake.or_else)} for mistake in self.mistakes],
             "probes": [asdict(probe) for probe in self.probes],
             "notes": [asdict(note) for note in self.notes],
+            "situations": [{"name": each.name, "rms_deg": each.rms_deg} for each in self.situations],
             "filter_runs": self.filter_runs,
             "passed": self.passed,
         }
@@ -195,7 +208,8 @@ def diagnose(
     max_runs: int | None = None,
     timeout: float = TIMEOUT_S,
     progress: Callable[[int], object] | None = None,
-    **parameters: object,
+    parameters: Mapping[str, object] | None = None,
+    **named: object,
 ) -> FilterDiagnosis:
     """Find the mistakes of an attitude filter by repairs of its input and output, and probe what it can do.
 
@@ -218,8 +232,11 @@ def diagnose(
         Longest time of one run of the filter, s.
     progress : callable, optional
         Told the number of runs after each.
-    **parameters
-        The motion, rates and fields by their public names, over those of the scenario.
+    parameters : mapping, optional
+        The motion, rates and fields by their public names, over those of the scenario. Also the noise that the filter
+        assumes, as ``sensor_grade`` or as densities: the probes ``noise`` and ``covariance`` run with it.
+    **named
+        The same, one by one.
 
     Returns
     -------
@@ -230,12 +247,15 @@ def diagnose(
     InputError
         If there is no such function, it raises an exception, does not return, or returns what is no estimate.
     """
+    every = {**(parameters or {}), **named}
+    noise = noise_of(every)
+    said = {name: value for name, value in every.items() if name not in (*NOISE, "sensor_grade")}
     given = (
-        {**(scenario or {}), **parameters}
+        {**(scenario or {}), **said}
         if scenario is None or isinstance(scenario, Mapping)
-        else scenario_of(scenario, parameters).parameters()
+        else scenario_of(scenario, said).parameters()
     )
-    courses = courses_of(given, parameters)
+    courses = courses_of(given, said)
     time_limit(timeout)
     source = source_of(estimate)
     is_node = isinstance(source, NodeEstimator)
@@ -248,6 +268,7 @@ def diagnose(
             courses,
             most,
             progress or (lambda runs: None),
+            noise,
         )
         remarks = [f"Each run of a node takes seconds: it is not probed for {', '.join(left_out)}."] * is_node
         return examined(search, remarks if source else [_ALONE], left_out)
@@ -258,51 +279,96 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     errors = list[ErrorOverTime]()
     probes = list[Probe]()
     notes = list[Note]()
+    found = list[Situation]()
     interrupted = False
     try:
         search.run()
         errors += _over_time(search)
+        if not search.choice() and plain(search.trials).error > search.floor and not search.is_by_chance:
+            found += situations(search)
         probes += told(search, (row for row in PROBES if row.code not in left_out))
         notes += (
-            Note(found.code, f"{found.message}.", found.value)
-            for found in told(search, NOTES)
-            if not found.passed and found.value is not None
+            Note(each.code, f"{each.message}.", each.value)
+            for each in told(search, NOTES)
+            if each.passed is False and each.value is not None
         )
     except KeyboardInterrupt:
         if not search.trials:
             raise
         interrupted = True
     mistakes = tuple(_mistakes(search, errors))
-    unrepaired = plain(search.trials)
+    if search.is_rest_cut:
+        remarks = [*remarks, f"Repairs were tried after less than the {search.settles_s:.0f} s of rest that it needs."]
     if search.is_cut:
-        remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
+        remarks = [
+            *remarks,
+            f"No more repairs were tried after {counted(search.runs, 'run')}, {search.updates} readings of the gyro.",
+        ]
     if mistakes and search.chosen.error > search.floor:
         remarks = [
             *remarks,
-            f"The {degrees(float(np.degrees(search.chosen.error)))} that are left have no name yet: correct what is "
+            f"The {degrees(float(np.degrees(search.chosen.error)))} that remain have no name yet: correct what is "
             "named, and diagnose again.",
         ]
-    if errors and not mistakes and unrepaired.error > search.floor:
+    if errors and not mistakes and plain(search.trials).error > search.floor and not search.courses[0].ramp_s:
         remarks = [*remarks, _command(search.course, errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(probes),
         (*_notes(search), *notes),
         search.runs,
-        float(np.degrees(unrepaired.error)),
+        errors[0].rms_deg if errors else float(np.degrees(plain(search.trials).error)),
         float(np.degrees(search.floor)),
+        tuple(_headline(search, found, probes)),
+        tuple(found),
         tuple(remarks),
         tuple(errors),
         interrupted,
+        search.updates,
     )
+
+
+def _headline(search: Search, found: Sequence[Situation], probes: Sequence[Probe]) -> Iterator[str]:
+    """Sentences that stand first: growing errors, sensors that are not heard, what helps most, situations."""
+    if search.growth:
+        which = f": the correction by the {search.unstable_by} has the wrong sign" if search.unstable_by else ""
+        yield (
+            f"It is unstable: sensors off by {TINY * search.course.turn:.1g} of what they read change the estimate by "
+            f"{with_unit(float(np.degrees(search.growth)))}, and more and more{which}."
+        )
+    if search.deaf and (plain(search.trials).error > search.floor or any(probe.passed is False for probe in probes)):
+        yield _deaf(search)
+    if search.is_by_chance:
+        yield f"Two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for."
+    if found and (helpful := search.most_helpful):
+        before = degrees(float(np.degrees(plain(search.trials).error)))
+        repair = helpful.mistakes[0]
+        yield (
+            f"Most helps {repair.code} ({repair.text}), which leaves {degrees(float(np.degrees(helpful.error)))} of "
+            f"{before}: it explains a part alone."
+        )
+    if said := common(list(found), float(np.degrees(search.floor))) if found else "":
+        yield said
+
+
+def _deaf(search: Search) -> str:
+    """Sentence about the sensors that change nothing."""
+    sensors = " and the ".join(search.deaf)
+    verb = "changes" if len(search.deaf) == 1 else "change"
+    if "magnetometer" in search.deaf and not search.is_level:
+        return f"The {sensors} {verb} nothing after the first second: the magnetometer sets the first heading alone."
+    level = ": its heading is free, and its vertical alone is judged" * search.is_level
+    return f"The {sensors} {verb} nothing after the first second{level}."
 
 
 def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     """The errors of the filter as it is, and after each of the repairs that are named."""
     chosen = search.chosen
     courses = [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
-    for count, code in enumerate(("", *chosen.codes)):
-        repairs = (*chosen.mistakes[:count], *(JOINT,) * (JOINT in chosen.repairs and count > 0))
+    ordered = search.in_order(chosen)
+    for count, code in enumerate(("", *(each.code for each in ordered))):
+        beside = chosen if count else plain(search.trials)
+        repairs = (*ordered[:count], *(JOINT,) * (JOINT in beside.repairs))
         answers = search.ask([Job(course, repairs) for course in courses])
         tracks = [answer.track for answer in answers if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
@@ -317,15 +383,24 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
 def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     """The mistakes that are named; what is left after each of several is known where it was asked of the filter."""
     named, *others = search.choice() or [plain(search.trials)]
-    left = {code: float(np.degrees(named.error)) for code in named.codes[-1:]} | {e.code: e.rms_deg for e in errors}
-    before = left.get("", float(np.degrees(plain(search.trials).error)))
-    for found in named.mistakes:
-        after = left.get(found.code, before)
+    known = {code: float(np.degrees(named.error)) for code in named.codes[-1:]} | {e.code: e.rms_deg for e in errors}
+    before = known.get("", float(np.degrees(plain(search.trials).error)))
+    ordered = search.in_order(named)
+    first = before
+    for place, found in enumerate(ordered):
+        after = known.get(found.code, before)
         instead = instead_of(named, others, found.code)
         doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
+        left = f"{found.deed} an error of {degrees(after)} instead of {degrees(before)}."
+        if after > HALVED * before and place + 1 < len(ordered):
+            left = "Alone its repair does not help."
+        elif before > HALVED * first and place:
+            left = f"Both repairs together leave an error of {degrees(after)} instead of {degrees(first)}."
+        if found.code == "gyro_scale":
+            continue
         yield Mistake(
             found.code,
-            f"{found.fact}. {found.deed} an error of {degrees(after)} instead of {degrees(before)}.{doubt}",
+            f"{found.fact}. {left}{doubt}",
             found.text,
             before,
             after,
@@ -343,13 +418,39 @@ def instead_of(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, .
 def _notes(search: Search) -> Iterator[Note]:
     """Notes on what helps the filter and is no mistake: later vector readings, and the other kind of gyro."""
     chosen = search.chosen
+    if search.deaf:
+        yield Note("deaf", _deaf(search), ", ".join(search.deaf))
+    if search.settles_s:
+        unsettled = " It has not then: longer is not tried." * (search.settles_s >= MAX_REST)
+        yield Note(
+            "settles",
+            f"It needs {search.settles_s:.0f} s at rest until its answer stands still; that it is given before each "
+            f"course.{unsettled}",
+            search.settles_s,
+        )
+    if search.chatter:
+        value = float(np.degrees(search.chatter))
+        yield Note(
+            "chatters",
+            f"Two runs with nearly equal readings differ by {with_unit(value)}, which does not grow, as where each "
+            "correction has a fixed length.",
+            value,
+        )
+    if search.needs_noise:
+        yield Note(
+            "needs_noise",
+            "Perfect readings give attitudes that are not finite; those with the noise of tactical sensors do not.",
+            "tactical",
+        )
+    for repair in chosen.mistakes:
+        if repair.code == "gyro_scale":
+            value = 1.0 / float(repair.text.split()[-1])
+            yield Note("gyro_scale", f"It counts the gyro {value:.5g} times.", value)
     alike = [trial for trial in search.trials if trial.codes == chosen.codes]
     without = min((t.error for t in alike if JOINT not in t.repairs), default=0.0)
     if JOINT in chosen.repairs and without > max(search.floor, NEAR * chosen.error):
         value, left = np.degrees([without, chosen.error]).tolist()
         ahead = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
-        if value > NEAR * (turn := float(np.degrees(search.course.turn))):
-            ahead += f" A sample makes {with_unit(turn)} of turn: the filter makes that error larger, {WRONG_SIGN}."
         yield Note(JOINT.code, f"{JOINT.fact}: {ahead}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
@@ -365,4 +466,4 @@ def _command(course: Course, errors: ErrorOverTime) -> str:
     """The shortest run on which the filter errs most."""
     late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
     parameters = {name: value for name, value in course.scenario.parameters().items() if value != BY_NAME[name].default}
-    return f"It errs most in: {recording('errs.mcap', np.ceil(max(1.0, late - REST)), parameters)}"
+    return f"It errs most in: {recording('errs.mcap', np.ceil(max(1.0, late)), parameters)}"

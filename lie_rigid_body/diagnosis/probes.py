@@ -4,36 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
+from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
-from lie_rigid_body.diagnosis.search import NEAR, Search
+from lie_rigid_body.diagnosis.search import GRADE_OF_NOISE, NEAR, UNJUDGED, Search
 from lie_rigid_body.evaluation import CramerRaoBound, ExactTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
 from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import FilterError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs import simulate
-from lie_rigid_body.sensors import GRADES
 
 GYRO_BIAS: Final = float(np.radians(1.0))
 """Constant error of the gyro, rad/s."""
 VECTOR_ERROR: Final = 0.05
 """Constant error of the accelerometer and of the magnetometer, share of the vector."""
-SLOW: Final = 0.06
-"""Factor of the rates in a slow motion."""
-WRONG_SIGN: Final = "as where a correction has the wrong sign"
-"""Words for a filter that makes small errors large."""
+SLOW_RATE: Final = 0.1
+"""Body rate of a slow motion with gaps, rad/s."""
+SLOW_RATES: Final = (0.1, 0.05, 0.02)
+"""Body rates of slow motions, rad/s."""
+FIELDS_T: Final = (25e-6, 65e-6)
+"""Sizes of the weakest and of the strongest field of the Earth, T."""
+DIPS: Final = (0.0, 75.0, -75.0)
+"""Dips of a field at the equator and near the poles, degrees."""
+LEARNING_S: Final = 60.0
+"""Rest in which a filter may learn the bias of the gyro before it is turned through eight headings, s."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
+_RESTS: Final = (0.0, REST, 3.0 * REST)
+"""Rests before the motion that are compared, s."""
 SEEDS: Final = 12
 """Short runs with noise by which a covariance is judged, and as many others. One honest covariance of twenty is found
 dishonest by chance, and two of these verdicts are not."""
@@ -45,8 +54,8 @@ JUDGED: Final = 20
 
 SAME: Final = 1e-9
 """Largest difference of two estimates, rad, that count as the same."""
-Judged = tuple[bool, str, float]
-"""Whether a probe is passed, what is said of it, and the number that was judged."""
+Judged = tuple[bool | None, str, float]
+"""Whether a probe is passed, None where it is not judged; what is said of it, and the number that was judged."""
 
 
 @short_dataclass(frozen=True)
@@ -56,24 +65,35 @@ class Probe:
     Attributes
     ----------
     code : str
-    passed : bool
+    passed : bool or None
+        None where it is not judged.
     message : str
     value : float or None
         The number that was judged: an error in degrees, if the message tells nothing else.
     """
 
     code: str
-    passed: bool
+    passed: bool | None
     message: str
     value: float | None = None
 
 
 class ProbeRow(NamedTuple):
-    """A probe: its code, the courses that are run, and what is judged; without courses it is not told."""
+    """A probe: its code, the courses that are run, and what is judged; without courses it is not told.
+
+    Attributes
+    ----------
+    code : str
+    courses : callable
+    judge : callable
+    needs_error : bool
+        Whether it is judged beside the error of the filter, and says nothing where that is above `UNJUDGED`.
+    """
 
     code: str
     courses: Callable[[Search], Sequence[Course]]
     judge: Callable[[Search, Sequence[Answer]], Judged]
+    needs_error: bool = True
 
     def told(self, search: Search, answers: Sequence[Answer | FilterError]) -> Probe:
         """Result of the probe by the filter's answers; a filter that raises an error fails the probe."""
@@ -111,8 +131,8 @@ def _limit(search: Search, least: float = 0.0) -> float:
 def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
     """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
     what = "its mistakes repaired" if search.chosen.codes else "perfect sensors"
-    alike = "; it begins with one attitude whatever it reads, and so do the bodies here" * search.begins_alike
-    passed, said, value = limited(f"with {what} it errs by", search.chosen.error, search.floor, alike)
+    settled = f"; it needs {search.settles_s:.0f} s at rest until its answer stands still" * (search.settles_s > 0.0)
+    passed, said, value = limited(f"with {what} its error is", search.chosen.error, search.floor, settled)
     if passed or search.chosen.codes:
         return True, said, value
     return False, f"{said}{_without_repair(search, answers[0].track)}", value
@@ -122,36 +142,130 @@ def _without_repair(search: Search, track: Matched) -> str:
     """Sentences about an error that no repair removes."""
     if search.is_by_chance:
         return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
-    if search.change:
-        return (
-            f"; it is unstable: sensors off by {TINY * search.course.turn:.1g} of what they read change it by "
-            f"{with_unit(float(np.degrees(search.change)))}, {WRONG_SIGN}"
-        )
     known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
     score = evaluate(track.stamps_ns, track.attitude_xyzw, known)
     told = [f"{each.code}: {each.message}" for each in score.findings if each.code in WITHOUT_REPAIR]
-    if search.chosen.parts[0] <= search.floor:
-        told.append("its vertical is right, and its heading alone is wrong: see whether it uses the magnetometer")
     return "".join(f"; {each}" for each in told)
 
 
 def _half_turns(search: Search) -> list[Course]:
     """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
-    start, midst = search.course.at(np.array([0, round(5e8 * (search.course.rest_s + search.course.moving_s))]))
+    course = search.course
+    start, midst = course.at(np.array([0, course.begin_ns + round(5e8 * course.counted_s)]))
     starts = quaternion.multiply(quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst)), start)
-    return [search.course.of_scenario(initial_attitude_xyzw=each) for each in starts.tolist()]
+    return [search.settled(course.of_scenario(initial_attitude_xyzw=each)) for each in starts.tolist()]
 
 
 def _starts(search: Search) -> list[Course]:
-    """The ordinary motion, and those that begin turned by each rotation of a cube."""
-    start = scipy.spatial.transform.Rotation.from_quat(search.course.scenario.start().attitude_xyzw)
+    """The ordinary motion without a rest to settle, and those that begin turned by each rotation of a cube."""
+    course = replace(search.course, settle_s=0.0)
+    start = scipy.spatial.transform.Rotation.from_quat(course.scenario.start().attitude_xyzw)
+    return [course, *(_at(course, (start * turn).as_quat()) for turn in _cube())]
+
+
+def _cube() -> Any:
+    """The 24 rotations of a cube."""
+    return scipy.spatial.transform.Rotation.create_group("O")
+
+
+def _at(course: Course, attitude_xyzw: Array, **parameters: object) -> Course:
+    """A course that begins with an attitude."""
+    return course.of_scenario(initial_attitude_xyzw=attitude_xyzw.tolist(), **parameters)
+
+
+def _cube_at_rest(search: Search) -> list[Course]:
+    """Two seconds at rest in each rotation of a cube, without a declination, and with readings without round-off."""
+    field = [0.0, float(np.hypot(*search.course.field[:2])), search.course.field[2]]
+    rest = replace(search.course, rest_s=0.0, settle_s=0.0, moving_s=2.0, is_rounded=True)
+    return [_at(rest, turn.as_quat(), initial_body_rate=[0.0] * 3, magnetic_field=field) for turn in _cube()]
+
+
+def _cube_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+    failed = sum(answer.broken.size > 0 for answer in answers)
+    return limited(
+        "of 24 rotations of a cube, at rest and read without round-off, without an attitude:", failed, 0.0, "", ""
+    )
+
+
+def _first_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+    """Largest error of the first answer; where it is, and how long until the filter errs as little as later on."""
+    starts = answers[1:]
+    limit = _limit(search)
+    off = [answer for answer in starts if answer.track.error().total[0] > limit]
+    firsts = [float(np.degrees(answer.track.error().total[0])) for answer in off or starts]
+    lasts = [answer.t_s[answer.track.error().total > limit].max(initial=0.0) for answer in starts]
+    is_down = all(quaternion.to_matrix(answer.track.truth_xyzw[0])[2, 2] < 0.0 for answer in off)
+    stays = f"{max(lasts):.3g} s" if max(lasts) < starts[0].t_s[-1] else f"more than {max(lasts):.3g} s"
+    return limited(
+        f"Of {len(starts)} first answers {len(off)}{', all with z down,' * is_down} are off, by "
+        f"{with_unit(float(np.median(firsts)))} in the median, for {stays} at the longest, and at most by",
+        float(np.radians(max(firsts))),
+        limit,
+    )
+
+
+def _turned_fields(search: Search) -> list[Course]:
+    """The ordinary course in fields of other sizes."""
+    size = np.linalg.norm(search.course.field)
     return [
-        search.course,
-        *(
-            search.course.of_scenario(initial_attitude_xyzw=(start * turn).as_quat().tolist())
-            for turn in scipy.spatial.transform.Rotation.create_group("O")
-        ),
+        search.settled(search.course.of_scenario(magnetic_field=(each / size * search.course.field).tolist()))
+        for each in FIELDS_T
     ]
+
+
+def _dipping_fields(search: Search) -> list[Course]:
+    """The ordinary course in fields of the same size and of other dips."""
+    field = search.course.field
+    level = field[:2] / (np.hypot(*field[:2]) or 1.0)
+    dips = np.radians(DIPS)
+    fields = np.linalg.norm(field) * np.column_stack([np.outer(np.cos(dips), level), -np.sin(dips)])
+    return [search.settled(search.course.of_scenario(magnetic_field=each)) for each in fields.tolist()]
+
+
+def _at_rate(search: Search, rate: float, moving_s: float) -> Course:
+    """The ordinary course with a slower body."""
+    body_rate = search.course.scenario.start().body_rate
+    slow = search.course.of_scenario(initial_body_rate=(rate / norm(body_rate) * body_rate).tolist())
+    return search.settled(replace(slow, moving_s=moving_s))
+
+
+def _headings(search: Search) -> list[Course]:
+    """A nearly level body that is turned through eight headings, with a bias of the gyro that is learnt at rest."""
+    if not search.course.ramp_s:
+        return []
+    level = quaternion.exp(np.radians([3.0, -2.0, 10.0]))
+    scenario = _at(search.course, level).scenario
+    return [Headings(scenario, settle_s=max(LEARNING_S, search.settles_s), off=_biased(search)[0].off)]
+
+
+def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+    errors = answers[0].track.error().total
+    place = np.maximum(answers[0].t_s - REST, 0.0) / (TURN + HOLD)
+    late = place % 1.0 > (TURN + 0.5 * HOLD) / (TURN + HOLD)
+    held = [rms(errors[late & (place.astype(int) == number)]) for number in range(8)]
+    most = max(search.floor, min(4.0 * float(np.median(held)), UNJUDGED))
+    return limited("in the worst of eight headings, each held for 30 s, its error is", max(held), most)
+
+
+def _of_bias(search: Search) -> list[Course]:
+    """The run with a bias of the gyro, of an estimate that tells one."""
+    return _biased(search) if search.trials[0].unrepaired[0].given.gyro_bias is not None else []
+
+
+def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+    """The estimated bias beside the one put in, in the last quarter: sign, unit and size."""
+    told = answers[0].given.gyro_bias
+    bias = np.array(dict(_biased(search)[0].off)["gyro"])
+    last = np.mean(told[-len(told) // 4 :], axis=0)
+    ratio = float(last @ bias / (bias @ bias))
+    fault = ""
+    if norm(last - bias) > 0.5 * norm(bias):
+        unit = "in degrees a second" if 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
+        sign = "with the opposite sign" if ratio < -0.5 else ""
+        stuck = "as it never moves" if np.ptp(told, axis=0).max() < 0.01 * norm(bias) else ""
+        fault = " and ".join(filter(None, (unit, sign, stuck))) or "of another size"
+    said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much{', ' * bool(fault)}{fault}"
+    return not fault, said, ratio
 
 
 def _biased(search: Search) -> list[Course]:
@@ -177,12 +291,11 @@ def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     turn = GYRO_BIAS * 52.5
     most = max(search.floor, 0.05 * turn, min(1.5 * second, 0.5 * turn))
     removed = last <= min(most, max(_limit(search), 0.1 * second))
-    kept = f"makes more of it than it is alone, {WRONG_SIGN}" if last > turn else "keeps an error that the bias makes"
     return limited(
-        "with a gyro off by 1°/s it errs, in the last quarter of 60 s, by",
+        "with a gyro off by 1°/s, in the last quarter of 60 s, its error is",
         last,
         most,
-        f"; it {'removes the bias' if removed else kept}",
+        f"; it {'removes the bias' if removed else 'keeps an error that the bias makes'}",
     )
 
 
@@ -207,8 +320,8 @@ def _off_judged(search: Search, answers: Sequence[Answer], sensor: str) -> Judge
 
 
 def _noisy(search: Search, seed: int = 1) -> Course:
-    """The ordinary course with the white noise of tactical sensors, which its scenario tells."""
-    return replace(search.course.of_scenario(**{name: GRADES["tactical"][name] for name in NOISE}), seed=seed)
+    """The ordinary course with white noise: that which the filter assumes, or else of tactical sensors."""
+    return replace(search.course.of_scenario(**(search.noise or GRADE_OF_NOISE)), seed=seed)
 
 
 def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
@@ -219,17 +332,22 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
     body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
-    single = Matched(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course)
+    attitude = quaternion.from_matrix(world @ np.swapaxes(body, -1, -2))
+    single = Matched(read.t_ns, attitude, course, is_level=search.is_level)
     answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
-    bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).cramer_rao_bound()
+    bound = simulate(course.scenario, duration=course.counted_s).cramer_rao_bound()
     assert bound
     least = CramerRaoBound.rms(bound.filtered[len(bound.filtered) // 3 :])
     return limited(
-        "with the noise of tactical sensors it errs by",
+        f"with the noise of {_grade(search)} its error is",
         answers[0].error(),
         1.01 * error_of([single[answered[len(stamps) // 3 :]]]),
         f"; the best filter errs by {with_unit(float(np.degrees(least)))} over many such runs",
     )
+
+
+def _grade(search: Search) -> str:
+    return "the given sensors" if search.noise else "tactical sensors"
 
 
 def _axes(first: Array, second: Array) -> Array:
@@ -240,13 +358,12 @@ def _axes(first: Array, second: Array) -> Array:
 
 
 def _gaps(search: Search) -> list[Course]:
-    slow = search.course.of_scenario(initial_body_rate=(SLOW * search.course.scenario.start().body_rate).tolist())
-    return [replace(slow, moving_s=60.0 - REST, gaps_s=(10.0, 20.0, 30.0))]
+    return [replace(_at_rate(search, SLOW_RATE, 60.0 - REST), gaps_s=(10.0, 20.0, 30.0))]
 
 
 def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     errors = answers[0].track.error().total
-    t_s = answers[0].track.stamps_ns / 1e9
+    t_s = answers[0].t_s
     last = error_of([answers[0].track[t_s >= 40.0]])
     most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
@@ -299,33 +416,51 @@ def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
         for runs in (slice(SEEDS), slice(SEEDS, None))
     ]
     found = min(verdicts, key=lambda each: (not each.passed, each.cause in ("", "factor")))
-    return found.passed, f"with the noise of tactical sensors: {found.message}", found.nees_mean
+    passed = found.passed if search.noise else None
+    return passed, f"with the noise of {_grade(search)}: {found.message}", found.nees_mean
+
+
+def _alternating(search: Search) -> list[Course]:
+    """Steps of 2/3 and 4/3 of a period, as many of each, so that a filter which takes their median takes the period."""
+    course = search.course
+    odd = 0.5 * (1 - course.updates % 2) / course.rate
+    return [replace(course, grid="alternating", moving_s=course.moving_s + odd)]
+
+
+def _within(said: str, begin: float = 1.0 / 3.0) -> Callable[[Search, Sequence[Answer]], Judged]:
+    """Judge the worst of several runs by the floor, or twice the error of the plain run."""
+    return lambda search, answers: limited(said, worst(answers, begin), _limit(search))
 
 
 PROBES: Final = (
-    ProbeRow("follows", lambda s: [s.course], _follows),
-    ProbeRow(
-        "half_turn",
-        _half_turns,
-        lambda s, o: limited("through half turns from the world's axes it errs by", worst(o), _limit(s)),
-    ),
+    ProbeRow("follows", lambda s: [s.course], _follows, needs_error=False),
+    ProbeRow("half_turn", _half_turns, _within("through half turns from the world's axes its error is")),
+    ProbeRow("exact_starts", _cube_at_rest, _cube_judged, needs_error=False),
+    ProbeRow("other_fields", _turned_fields, _within("in fields of 25 and 65 µT its error is")),
+    ProbeRow("headings", _headings, _headings_judged, needs_error=False),
     ProbeRow(
         "irregular_steps",
-        lambda s: [replace(s.course, grid="alternating")],
+        _alternating,
         lambda s, o: limited(
-            "with steps of 2/3 and 4/3 of a period in turn it errs by", worst(o), _limit(s, s.course.turn / 3.0)
+            "with steps of 2/3 and 4/3 of a period in turn its error is", worst(o), _limit(s, s.course.turn / 3.0)
         ),
     ),
     ProbeRow(
         "converges",
         _starts,
         lambda s, o: limited(
-            "from the worst of 24 first attitudes it keeps at the end",
+            "from the worst of 24 first attitudes its error at the end is",
             worst(o[1:], 2.0 / 3.0),
             max(s.floor, NEAR * o[0].error(2.0 / 3.0)),
         ),
     ),
     ProbeRow("gyro_bias", _biased, _bias_judged),
+    ProbeRow("bias_estimate", _of_bias, _bias_estimate_judged),
+    ProbeRow(
+        "slow",
+        lambda s: [_at_rate(s, rate, 60.0) for rate in SLOW_RATES],
+        _within("of a body that turns by 0.1, 0.05 and 0.02 rad/s for a minute its error is"),
+    ),
     ProbeRow(
         "accelerometer_bias", lambda s: _off(s, "specific_force"), lambda s, o: _off_judged(s, o, "an accelerometer")
     ),
@@ -334,9 +469,9 @@ PROBES: Final = (
     ProbeRow("dropouts", _gaps, _gaps_judged),
     ProbeRow(
         "long_run",
-        lambda s: [replace(s.course, moving_s=10.0 * s.course.moving_s)],
+        lambda s: [s.long],
         lambda s, o: limited(
-            "in the last tenth of a run ten times as long it errs by",
+            "in the last tenth of a run ten times as long its error is",
             o[0].error(0.9),
             max(s.floor, NEAR * o[0].error(0.1, 0.2)),
         ),
@@ -351,24 +486,33 @@ PROBES: Final = (
             "; one that differs goes by a clock of its own, or by the order in which readings arrive",
             " rad",
         ),
+        needs_error=False,
     ),
-    ProbeRow("norm", lambda s: [s.course], _norms_judged),
-    ProbeRow("finite", lambda s: [s.course], _broken),
+    ProbeRow("norm", lambda s: [s.course], _norms_judged, needs_error=False),
+    ProbeRow("finite", lambda s: [s.course], _broken, needs_error=False),
     ProbeRow("covariance", _noisy_runs, _covariance_judged),
     ProbeRow(
         "needs_rest",
-        lambda s: [replace(s.course, rest_s=rest_s) for rest_s in (0.0, REST, 3.0 * REST)],
+        lambda s: [] if s.settles_s or not s.course.ramp_s else [replace(s.course, rest_s=rest_s) for rest_s in _RESTS],
         _rests_judged,
     ),
 )
 """The probes in the order in which they are told."""
 NOTES: Final = (
+    ProbeRow("first_attitude", _starts, _first_judged),
+    ProbeRow(
+        "fixed_field",
+        _dipping_fields,
+        _within(
+            "In fields that dip by 0° and ±75° it keeps another field in its code, or hardly corrects: its error is"
+        ),
+    ),
     ProbeRow(
         "constant_step",
         lambda s: [replace(s.course, grid="walk")],
         lambda s, o: limited(
             "The filter takes all steps for equal, which matters where readings are late or lost: with steps at "
-            "random, 2/3 to 4/3 of a period, it errs by",
+            "random, 2/3 to 4/3 of a period, its error is",
             worst(o),
             _limit(s, s.course.turn / 3.0),
         ),
@@ -388,6 +532,21 @@ NOTES: Final = (
 
 def told(search: Search, rows: Iterable[ProbeRow]) -> Iterator[Probe]:
     """Results of probes; those without courses, as of a covariance where there is none, are left out."""
-    asked = [(row, courses) for row in rows if (courses := row.courses(search))]
-    answers = search.ask([Job(course, search.chosen.repairs) for _, courses in asked for course in courses])
-    return (row.told(search, [next(answers) for _ in courses]) for row, courses in asked)
+    judged = search.chosen.error <= UNJUDGED
+    repairs = search.chosen.repairs
+    asked = [
+        (row, [(course, repairs, courses[:place].count(course)) for place, course in enumerate(courses)])
+        for row in rows
+        if (courses := list(row.courses(search)) if judged or not row.needs_error else [search.course])
+    ]
+    new = [key for key in dict.fromkeys(key for _, keys in asked for key in keys) if key not in search.known]
+    answers = search.ask([Job(course, repairs) for course, _, _ in new])
+    coming = iter(new)
+    for row, keys in asked:
+        if row.needs_error and not judged:
+            error = with_unit(float(np.degrees(search.chosen.error)))
+            yield Probe(row.code, None, f"not judged, as the error of the filter is {error}")
+            continue
+        while any(key not in search.known for key in keys):
+            search.known[next(coming)] = next(answers)
+        yield row.told(search, [search.known[key] for key in keys])

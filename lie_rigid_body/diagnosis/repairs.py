@@ -2,32 +2,49 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Final
+from itertools import product
+from typing import Any, Final, get_args
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.estimates.estimators import Estimator, called
 from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, angles_between, named
-from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
+from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, UP, Cause, Order, undone
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 
+HALVED: Final = 0.5
+"""Largest share of the error that a repair may leave if it brings the error below the floor."""
+CONSTANT: Final = 0.95
+"""Least ratio of a constant in the last third of a run to that in the first, of a filter that does not converge."""
 ALIKE: Final = 0.25
 """Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not
 begin with its readings."""
+STILL: Final = float(np.radians(0.01))
+"""Largest change of the mean answer from one second at rest to the next, rad, of a filter that has settled."""
+CALM: Final = 5
+"""Number of such seconds after which it has settled."""
 SENSOR_READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Names of the readings of each sensor, by the sensor's name in codes."""
 
 MAX_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
 """Norm of a quaternion from which its square is beyond float64."""
+PERTURBED: Final = float(np.radians(2.0))
+"""Angle by which the readings of a sensor are turned to see whether a filter hears it, rad."""
+NED: Final = np.sqrt([0.5, 0.5, 0.0, 0.0])
+"""Quaternion of the rotation from our world, east, north, up, to north, east, down."""
+SCALE: Final = 0.02
+"""Distance from 1 up to which a factor of the gyro is a property of the filter."""
 DRIFT: Final = 0.1
 """Rate error of a drifting gyro, as a share of the body's mean rate: in a course it makes hundreds of times the floor
 of the error."""
@@ -63,6 +80,14 @@ class Repair:
     deed: str
     constants: Array | None = field(default=None, compare=False)
 
+    @property
+    def is_near_another(self) -> bool:
+        """Whether it is a factor of the gyro that differs by `SCALE` at most from one without a constant, or from 1."""
+        if self.code not in ("time_step", "gyro_scale"):
+            return False
+        others = (1.0, 0.5, 2.0, *(f for unit in _UNITS["gyro"].values() for f in (unit, 1.0 / unit)))
+        return self.price > 0 and any(abs(float(self.text.split()[-1]) / other - 1.0) <= SCALE for other in others)
+
 
 Repairs = tuple[Repair, ...]
 """Repairs in the order in which they are applied: those of the input, `JOINT` if it is used, those of the output."""
@@ -83,8 +108,25 @@ def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
     return given.changed(moved, *(SENSOR_READINGS[name] for name in sensors))
 
 
-def _on_world_axes(given: Readings) -> Readings:
-    return given.changed(lambda gyro: quaternion.rotate(given.course.at(given.t_ns), gyro), "gyro")
+def _on_world_axes(matrix: Array, given: Readings) -> Readings:
+    """Readings of the gyro on the axes of a world, whose matrix from ours has shape (3, 3)."""
+    return given.changed(lambda gyro: quaternion.rotate(given.course.at(given.t_ns), gyro) @ matrix.T, "gyro")
+
+
+def _exchanged(given: Readings) -> Readings:
+    vectors = given.vectors
+    return replace(given, vectors={**vectors, "gyro": vectors["specific_force"], "specific_force": vectors["gyro"]})
+
+
+def _as_euler_rates(world: Array, given: Readings) -> Readings:
+    """Rates of roll, pitch and yaw, in the order 3-2-1, in place of the body's; quaternion of the world, shape (4,)."""
+    A = quaternion.to_matrix(quaternion.multiply(world, given.course.at(given.t_ns)))
+    roll = np.arctan2(A[:, 2, 1], A[:, 2, 2])
+    level = np.maximum(np.hypot(A[:, 2, 1], A[:, 2, 2]), 1e-6)  # cosine of the pitch
+    p, q, r = given.vectors["gyro"].T
+    across = np.sin(roll) * q + np.cos(roll) * r
+    rates = [p - A[:, 2, 0] / level * across, np.cos(roll) * q - np.sin(roll) * r, across / level]
+    return given.changed(lambda gyro: np.stack(rates, axis=1), "gyro")
 
 
 JOINT: Final = Repair(
@@ -153,10 +195,13 @@ def _units(sensor: str) -> Iterator[Repair]:
 
 
 def factor(value: float) -> Repair:
-    """Repair of a wrong time step: the gyro's readings multiplied by a factor; ½ and 2 are no fitted constants."""
+    """Repair of a wrong time step: the gyro's readings multiplied by a factor; ½ and 2 are no fitted constants.
+
+    Within 2 % of 1 it is a property of the filter, not a mistake of its user.
+    """
     plain = {2.0: ", as with the ½ of the quaternion's rate twice", 0.5: ", as without the ½ of the quaternion's rate"}
     return Repair(
-        "time_step",
+        "gyro_scale" if abs(value - 1.0) <= SCALE else "time_step",
         f"gyro × {value:.6g}",
         0 if value in plain else 1,
         partial(_multiplied, ("gyro",), value * np.eye(3)),
@@ -177,6 +222,21 @@ def drifting(sensor: str, share: float, given: Readings) -> Readings:
     return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSOR_READINGS[sensor])
 
 
+def perturbed(sensor: str, since_ns: int, given: Readings) -> Readings:
+    """Readings of a sensor, turned by `PERTURBED` about a diagonal of the body from a stamp on; of a gyro half of them.
+
+    So small a turn passes every gate that a filter may have.
+    """
+    stamps = given.field_t_ns if sensor == "magnetometer" else given.t_ns
+    turn = quaternion.exp(PERTURBED / np.sqrt(3.0) * np.ones(3))
+    return given.changed(
+        lambda rows: np.where(
+            (stamps >= since_ns)[:, np.newaxis], 0.5 * rows if sensor == "gyro" else quaternion.rotate(turn, rows), rows
+        ),
+        SENSOR_READINGS[sensor],
+    )
+
+
 def late(sensor: str, count: int) -> Repair:
     """Repair that moves the readings of one sensor in time by a number of samples."""
     size = f"{abs(count)} sample{'s' if abs(count) > 1 else ''}"
@@ -193,33 +253,144 @@ def late(sensor: str, count: int) -> Repair:
 def of_output(cause: Cause, constants: Array) -> Repair:
     """A repair of the estimate by undoing a cause."""
     text = " ".join([*(f"{constant:.5g}" for constant in constants), cause.unit]) if cause.price else "undone"
+    if cause is OUTPUT_AXES:
+        text = _name_of_axes(constants)
     return Repair(cause.code, text, cause.price, None, cause.fact(constants), cause.deed(constants), constants)
+
+
+OF_VECTOR: Final = [P for P in SIGNED_PERMUTATIONS[1:] if np.trace(P) > -3.0]
+"""Permutations with signs of the vector part of a quaternion, but the inverse."""
+
+
+def _name_of_axes(chosen: Array) -> str:
+    return named(OF_VECTOR[int(chosen[0])]).replace(",", "")
+
+
+def _vector_permuted(track: Matched, chosen: Array) -> Matched:
+    matrix = np.eye(4)
+    matrix[:3, :3] = OF_VECTOR[int(chosen[0])]
+    return replace(track, attitude_xyzw=track.attitude_xyzw @ matrix.T)
+
+
+def _composed(angles: Array, chosen: Array) -> Array:
+    """Attitudes of angles with signs, put together about the axes in another order than they were taken in."""
+    wrong, right, sign = (int(number) for number in chosen)
+    places = [EULER_ORDERS[wrong].index(axis) for axis in EULER_ORDERS[right]]
+    signed = (angles * SIGNS[sign])[..., places].reshape(-1, 3)
+    found = scipy.spatial.transform.Rotation.from_euler(EULER_ORDERS[right], signed).as_quat()
+    return np.asarray(found).reshape(*angles.shape[:-1], 4)
+
+
+def _angles(track: Matched, order: int) -> Array:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
+        return np.asarray(scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(EULER_ORDERS[order]))
+
+
+def _best_order(tracks: MatchedRuns) -> list[Array]:
+    """The orders and signs of Euler angles that leave the least error."""
+    few = [track.thinned() for track in tracks]
+    truth = np.concatenate([track.truth_xyzw for track in few])
+    of_order = [np.concatenate([_angles(track, order) for track in few]) for order in range(len(EULER_ORDERS))]
+    every = np.ndindex(len(EULER_ORDERS), len(EULER_ORDERS), len(SIGNS))
+    chosen = [np.array(each) for each in every if each[0] != each[1] or each[2]]
+    alike = [np.sum(np.sum(_composed(of_order[each[0]], each) * truth, axis=-1) ** 2) for each in chosen]
+    return [chosen[int(np.argmax(alike))]]
+
+
+def _order_told(c: Array) -> str:
+    wrong, right, sign = (int(number) for number in c)
+    signs = "".join(" " + ("-" if s < 0 else "") + axis for s, axis in zip(SIGNS[sign], "xyz", strict=True))
+    signed = f", of the angles about{signs}" * (sign > 0)
+    if wrong == right:
+        return f"have other signs than those of a turn about the axes{signs}"
+    wrong_order, right_order = (" ".join(EULER_ORDERS[number].lower()) for number in (wrong, right))
+    return f"are put together as {wrong_order} instead of {right_order}{signed}"
+
+
+EULER_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
+SIGNS: Final = np.array(list(product((1.0, -1.0), repeat=3)))
+"""Signs of three angles, shape (8, 3)."""
+EULER: Final = Cause(
+    "euler_order",
+    0,
+    lambda track, chosen: replace(track, attitude_xyzw=_composed(_angles(track, int(chosen[0])), chosen)),
+    _best_order,
+    lambda c: f"The three Euler angles {_order_told(c)}",
+    lambda c: "Put together in the right way they leave",
+)
+OUTPUT_AXES: Final = Cause(
+    "output_axes",
+    0,
+    _vector_permuted,
+    lambda tracks: [np.array([float(number)]) for number in range(len(OF_VECTOR))],
+    lambda c: "The vector part of the quaternion has its numbers in another order or with other signs",
+    lambda c: f"Given as {_name_of_axes(c)} they leave",
+)
+OUTPUTS: Final = (*(EULER if cause.code == EULER.code else cause for cause in CAUSES), OUTPUT_AXES)
+"""Causes in the output that are undone."""
+CODED: Final = {cause.code: cause for cause in OUTPUTS}
+
+
+def _is_converging(cause: Cause, tracks: MatchedRuns) -> bool:
+    """Whether the constant of a cause is smaller at the end than at the beginning: then the filter still converges."""
+    none = 1.0 if cause.code == "clock_rate" else 0.0
+    thirds = ([track.fraction(begin, begin + 1.0 / 3.0) for track in tracks] for begin in (0.0, 2.0 / 3.0))
+    first, last = (float(np.linalg.norm(cause.fitted(third)[0] - none)) for third in thirds)
+    return last < CONSTANT * first
 
 
 def without(tracks: MatchedRuns, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
     """Undo each cause, or each pair whose first has no constant; yield the repairs and the error left."""
+    before = error_of(tracks)
     for cause in causes:
         constants, error = cause.fitted(tracks)
+        if cause.price and error < HALVED * before and _is_converging(cause, tracks):
+            continue
         repair = of_output(cause, constants)
         yield (repair,), error
         if pairs and not cause.price:
             mended = [cause.undo(track, constants) for track in tracks]
-            for second, left in without(mended, [other for other in CAUSES if other.code != cause.code], pairs=False):
+            for second, left in without(mended, [other for other in OUTPUTS if other.code != cause.code], pairs=False):
                 yield (repair, *second), left
 
 
 def exact_repairs() -> tuple[Repair, ...]:
     """Every repair without a fitted constant, in the order of the table of mistakes."""
-    world = Repair(
-        "gyro_world_axes",
-        "gyro on the world's axes",
+    worlds = (
+        Repair(
+            "gyro_world_axes",
+            f"gyro on the axes {named(matrix).replace(',', '')} of the world",
+            0,
+            partial(_on_world_axes, matrix),
+            "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
+            "Given on the world's axes its readings leave",
+        )
+        for matrix in SIGNED_PERMUTATIONS
+        if np.linalg.det(matrix) > 0.0
+    )
+    exchanged = Repair(
+        "sensors_exchanged",
+        "gyro and accelerometer exchanged",
         0,
-        _on_world_axes,
-        "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
-        "Given on the world's axes its readings leave",
+        _exchanged,
+        "The filter takes the readings of the gyro for those of the accelerometer, and these for the gyro's",
+        "Exchanged they leave",
+    )
+    euler = (
+        Repair(
+            "euler_rates",
+            f"rates of roll, pitch and yaw, z {side}",
+            0,
+            partial(_as_euler_rates, world),
+            "The filter takes the readings of the gyro for the rates of roll, pitch and yaw",
+            "Turned into these its readings leave",
+        )
+        for side, world in (("up", IDENTITY), ("down", NED))
     )
     units = (repair for sensor in SENSOR_READINGS for repair in _units(sensor))
-    return tuple(sorted((*_axes(), *units, world, factor(2.0), factor(0.5)), key=lambda each: ORDER.index(each.code)))
+    every = (*_axes(), *units, exchanged, *euler, *worlds, factor(2.0), factor(0.5))
+    return tuple(sorted(every, key=lambda each: ORDER.index(each.code)))
 
 
 FITTED: Final[dict[str, tuple[Callable[[Any], Repair], tuple[float, ...]]]] = {
@@ -233,6 +404,7 @@ ORDER: Final = (
     "scalar_first",
     "ned_world",
     "euler_order",
+    "output_axes",
     "gyro_axes",
     "accelerometer_axes",
     "magnetometer_axes",
@@ -240,8 +412,11 @@ ORDER: Final = (
     "gyro_units",
     "accelerometer_units",
     "magnetometer_units",
+    "sensors_exchanged",
+    "euler_rates",
     "gyro_world_axes",
     "time_step",
+    "gyro_scale",
     "gyro_late",
     "accelerometer_late",
     "magnetometer_late",
@@ -262,35 +437,67 @@ class Answer:
     Attributes
     ----------
     track : Matched
-        Matched of the repaired and normalised attitudes beside the truth; the identity where one is broken.
+        Repaired and normalised attitudes of the part of the course that counts, beside the truth; the identity where
+        one is broken.
     broken : ndarray of int64
         Numbers of the samples that are zero, or whose norm has no finite square.
     given : Estimate
-        Estimate as the filter returned it.
+        Estimate as the filter returned it, of the same part.
+    settled_s : float
+        Time at rest after which the answers stand still, s; infinite where that is not seen.
     """
 
     track: Matched
     broken: Integers
     given: Estimate
+    settled_s: float
+
+    @property
+    def t_s(self) -> Array:
+        """Times since the first sample that counts, s, shape (N,)."""
+        return np.asarray((self.track.stamps_ns - self.track.origin) / 1e9)
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
         return error_of([self.track.fraction(begin, end)])
 
 
-def first_attitude(answers: Sequence[Answer]) -> list[float] | None:
+def first_attitude(answers: Sequence[Answer]) -> Array | None:
     """The attitude with which a filter begins, if that is nearly the same where two bodies begin with others."""
     told = [answer.track.attitude_xyzw[0] for answer in answers]
-    true = [answer.track.truth.at(answer.track.stamps_ns[:1])[0] for answer in answers]
-    return told[0].tolist() if len(told) == 2 and angles_between(*told) < ALIKE * angles_between(*true) else None
+    true = [answer.track.truth_xyzw[0] for answer in answers]
+    return told[0] if len(told) == 2 and angles_between(*told) < ALIKE * angles_between(*true) else None
+
+
+def settled_s(stamps_ns: Integers, attitude_xyzw: Array) -> float:
+    """Time at rest after which the answers stand still, s; infinite where fewer than `CALM` calm seconds are there.
+
+    A second is calm where the mean of its answers is within `STILL` of that of the second before.
+    """
+    second, first = np.unique(stamps_ns // 10**9, return_index=True)
+    sign = np.sign(np.sum(attitude_xyzw * np.repeat(attitude_xyzw[first], np.diff([*first, len(stamps_ns)]), 0), 1))
+    mean = np.add.reduceat(attitude_xyzw * sign[:, np.newaxis], first, axis=0) if len(first) else np.zeros((0, 4))
+    moved = angles_between(quaternion.normalize(mean[1:]), quaternion.normalize(mean[:-1]))
+    restless = np.flatnonzero(~(moved <= STILL))
+    begin = int(restless[-1]) + 1 if restless.size else 0
+    return float(second[begin]) if len(moved) - begin >= CALM else np.inf
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run of the filter: a course whose readings are repaired, and the estimate."""
+    """One run of the filter: a course whose readings are repaired, and the estimate.
+
+    Attributes
+    ----------
+    course : Course
+    repairs : tuple of Repair
+    is_level : bool
+        Whether the error is that of the vertical alone, as of a filter without a magnetometer.
+    """
 
     course: Course
     repairs: Repairs = ()
+    is_level: bool = False
 
     def __call__(self, estimate: Estimator) -> Answer:
         """Run the filter, and repair its estimate.
@@ -300,13 +507,21 @@ class Job:
         FilterError
             With the line in the user's file, or with the shape; or if no attitude is of the last two thirds.
         """
-        given = readings(self.course)
+        course = self.course
+        given = readings(course)
         for repair in self.repairs:
             given = repair.change(given) if repair.change else given
-        found = called(estimate, given.run(), (self.course.rest_s + self.course.moving_s) / 3.0)
+        found = called(estimate, given.run(), course.settle_s + course.counted_s / 3.0)
         norms = quaternion.norm(found.attitude_xyzw)
         broken = ~((norms > MIN_NORM) & (norms < MAX_NORM))
-        attitude = np.where(broken[:, np.newaxis], (0.0, 0.0, 0.0, 1.0), found.attitude_xyzw)
-        track = Matched(found.t_ns, quaternion.normalize(attitude), self.course)
-        causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
-        return Answer(undone(track, causes), np.flatnonzero(broken), found)
+        attitude = quaternion.normalize(np.where(broken[:, np.newaxis], IDENTITY, found.attitude_xyzw))
+        rest = found.t_ns < 10**9 * int(course.settle_s + course.rest_s)
+        counted = slice(int(np.searchsorted(found.t_ns, course.begin_ns)), None)
+        track = Matched(found.t_ns[counted], attitude[counted], course, is_level=self.is_level)
+        causes = [(CODED[each.code], each.constants) for each in self.repairs if each.constants is not None]
+        return Answer(
+            undone(track, causes),
+            np.flatnonzero(broken[counted]),
+            found[counted],
+            settled_s(found.t_ns[rest], attitude[rest]),
+        )

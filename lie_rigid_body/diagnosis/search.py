@@ -5,7 +5,7 @@ Repairs of the output are tried first, then single repairs of the input, then pa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain, product
@@ -14,34 +14,65 @@ from typing import Final
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.diagnosis.course import GYRO_KINDS, REST, Course
+from lie_rigid_body.diagnosis.course import GYRO_KINDS, MOVING, NOISE, Course
 from lie_rigid_body.diagnosis.repairs import (
+    CALM,
+    CODED,
     FITTED,
+    HALVED,
     JOINT,
     ORDER,
+    OUTPUTS,
+    SCALE,
+    SENSOR_READINGS,
     Answer,
     Job,
     Repair,
     Repairs,
     drifting,
     exact_repairs,
+    factor,
     first_attitude,
+    perturbed,
     without,
 )
-from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, Cause
+from lie_rigid_body.evaluation.attitudes import angles_between
+from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.matched import Matched, error_of
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import FilterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.sensors import GRADES
 
 FLOOR: Final = 0.1
 """Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
 MENDED: Final = 0.1
 """Largest share of the error that a repair may leave if the error stays above the floor."""
-HALVED: Final = 0.5
-"""Largest share of the error that a repair may leave if it brings the error below the floor."""
 NEAR: Final = 2.0
 """Factor within which errors above the floor count as equal."""
 
+FIRST_REST: Final = 8.0
+"""Rest that a filter is given at first to settle, s."""
+MAX_REST: Final = 300.0
+"""Longest rest that it is given, s."""
+SCREENED_REST: Final = 25.0
+"""Longest rest before the short motion on which repairs are compared at first, s."""
+MAX_UPDATES: Final = 400_000
+"""Readings of the gyro after which no more pairs are begun; the probes take 150 000 more."""
+MAX_UPDATES_SETTLING: Final = 1_600_000
+"""Readings after which no more are begun of a filter that needs more than `CALM` seconds to settle."""
+UNJUDGED: Final = float(np.radians(20.0))
+"""Error of the filter, rad, above which a factor of the gyro near 1 explains nothing, and probes say nothing."""
+SCALES: Final = (1e-6, 1e-4, 1e-2, 1.0)
+"""Factors of the gyro with which turns of the estimate are compared with those of the body."""
+STEP: Final = 1.2
+"""Factor around the best of the factors that are tried, in which one is fitted."""
+FINE: Final = 1.05
+"""Factor around that in which it is fitted once more, on an ordinary course."""
+ASIDE: Final = quaternion.exp(np.radians([0.06, -0.08, 0.1]))
+"""Quaternion by which a body begins beside the first attitude of a filter, where some filters fail."""
 SCREENED_S: Final = 4.0
 """Length of the motion on which repairs are compared at first, s."""
 SCREENED: Final = 100
@@ -56,7 +87,11 @@ UNCHANGED: Final = 1e-6
 """Change of the estimate, rad, below which a repair has no effect."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
-QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
+GRADE_OF_NOISE: Final = {name: GRADES["tactical"][name] for name in NOISE}
+"""Densities of the noise of tactical sensors."""
+BESIDE: Final = tuple(cause for cause in CAUSES if cause.code != "euler_order")
+"""Causes that are undone beside repairs of the input: with signs and orders of angles two of these would be one."""
+QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
 
@@ -103,8 +138,12 @@ class Trial:
 
     @cached_property
     def rank(self) -> tuple[int, int, list[int]]:
-        """Rank of the trial: number of repairs, price, places in the table. The least rank is named."""
-        return len(self.codes), sum(repair.price for repair in self.mistakes), sorted(map(ORDER.index, self.codes))
+        """Rank of the trial: number of repairs, price, places in the table. The least rank is named.
+
+        A world that is turned counts twice: half a turn about a level axis is a world with z down and a heading.
+        """
+        count = len(self.codes) + self.codes.count("world_turned")
+        return count, sum(repair.price for repair in self.mistakes), sorted(map(ORDER.index, self.codes))
 
 
 def plain(trials: Iterable[Trial]) -> Trial:
@@ -118,21 +157,39 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> lis
     Parameters
     ----------
     trials : sequence of Trial
-        Trials that include those without a repair.
+        Trials that include those without a repair, and each repair of a pair alone.
     floor : float
         The error below which all count as equal, rad.
     mended : float, optional
         Share of the error that a repair may leave above the floor.
     """
     before = plain(trials).error
-    limit = max(mended * before, min(floor, HALVED * before))
-    mending = [t for t in trials if t.codes and t.error <= limit]
-    if before <= floor or not mending:
+
+    def is_enough(error: float, before: float) -> bool:
+        return error <= max(mended * before, min(floor, HALVED * before))
+
+    def earns(trial: Trial) -> bool:
+        """Whether each repair of a trial halves the error at least, unless both leave less than the floor."""
+        if len(trial.mistakes) < 2:
+            return True
+        first = min(alone(trials, repair) for repair in trial.mistakes)
+        return (first <= HALVED * before or trial.error <= floor) and is_enough(trial.error, first)
+
+    if before <= floor:
         return []
-    best = min(t.error for t in mending)
+    mending = [t for t in trials if t.codes and is_enough(t.error, before) and earns(t)]
+    best = min((t.error for t in mending), default=0.0)
     as_good = [t for t in mending if t.error <= (floor if best <= floor else NEAR * best)]
-    named = min(as_good, key=lambda t: (t.rank, t.error))
-    return [named, *(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes)]
+    named = min(as_good, key=lambda t: (t.rank, t.error), default=None)
+    return (
+        [named, *(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes)] if named else []
+    )
+
+
+def alone(trials: Iterable[Trial], repair: Repair) -> float:
+    """Least error that a repair leaves by itself; its constants may differ, as they are fitted."""
+    same = [t for t in trials if t.codes == (repair.code,) and (repair.price or t.mistakes[0].text == repair.text)]
+    return min((t.error for t in same), default=np.pi)
 
 
 class Search:
@@ -141,22 +198,36 @@ class Search:
     Attributes
     ----------
     courses : tuple of Course
-        Courses of the runs, with a longer rest before the motion if the filter is right after that.
+        Courses of the runs, each with the rest that the filter needs to settle.
     floor : float
         The error below which nothing is looked for, rad.
-    runs : int
-        Number of runs of the filter.
+    runs, updates : int
+        Number of runs of the filter, and of readings of the gyro in them.
     trials : list of Trial
         Trials on all courses; the first is of the filter as it is.
+    free : Trial
+        The filter as it is on the free motions, without a rest.
     is_cut : bool
         Whether pairs were left untried for want of runs.
-    begins_alike : bool
-        Whether the filter begins with one attitude, whatever it reads. Then the courses begin there too.
+    is_rest_cut : bool
+        Whether repairs were tried after a shorter rest than the filter needs.
+    is_level : bool
+        Whether the magnetometer changes nothing: the vertical alone is judged.
+    deaf : tuple of str
+        Sensors whose readings change nothing after the first second.
     scatter : float
         Largest change of the estimate between two equal runs, rad, where the filter is wrong.
-    change : float
+    chatter : float
+        Change of the estimate by sensors that are off by `TINY`, rad, that does not grow.
+    growth : float
         Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
         what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
+    unstable_by : str
+        The sensor whose correction has the wrong sign, where that is known.
+    needs_noise : bool
+        Whether perfect readings give no answer, and those of tactical sensors do.
+    known : dict
+        Answers to probes, by the course, the repairs and the number of the run.
 
     Parameters
     ----------
@@ -168,7 +239,11 @@ class Search:
         Runs of the filter after which no more pairs are begun.
     tell : callable
         Function that is called with the number of runs after each.
+    noise : mapping of str to float, optional
+        Densities of the noise that the filter assumes, where they are given.
     """
+
+    free: Trial
 
     def __init__(
         self,
@@ -176,33 +251,59 @@ class Search:
         courses: tuple[Course, ...],
         most_runs: int,
         tell: Callable[[int], object] = lambda runs: None,
+        noise: Mapping[str, float] | None = None,
     ) -> None:
         self._each = each
         self.courses = courses
         self.most_runs = most_runs
         self._tell = tell
+        self.noise = noise
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self.trials: list[Trial] = []
         self.runs = 0
-        self.is_cut = False
-        self.begins_alike = False
-        self.scatter = self.change = 0.0
+        self.updates = 0
+        self.is_cut = self.is_rest_cut = self.is_level = False
+        self.deaf: tuple[str, ...] = ()
+        self.scatter = self.chatter = self.growth = 0.0
+        self.unstable_by = ""
+        self.needs_noise = False
+        self.known: dict[tuple[Course, Repairs, int], Answer | FilterError] = {}
+        self._rests: dict[object, float] = {}
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
-        for answer in self._each(jobs):
+        jobs = [replace(job, is_level=self.is_level) for job in jobs]
+        for job, answer in zip(jobs, self._each(jobs), strict=True):
             self.runs += 1
+            self.updates += job.course.updates
             self._tell(self.runs)
             yield answer
 
+    def answer(self, course: Course, *repairs: Repair) -> Answer | None:
+        """Answer of the filter to one course, or None where it fails."""
+        [answer] = self.ask([Job(course, repairs)])
+        return answer if isinstance(answer, Answer) else None
+
     def choice(self) -> list[Trial]:
         """Trials so far that mend the error: first the one that is named, then those that do as well."""
-        return choose(self.trials, self.floor, 0.0 if self.change else MENDED)
+        return choose(self.trials, self.floor, 0.0 if self.growth else MENDED)
 
     @property
     def chosen(self) -> Trial:
         """Trial of the filter with its mistakes repaired, or as it is."""
         return next(iter(self.choice()), plain(self.trials))
+
+    def in_order(self, trial: Trial) -> Repairs:
+        """Repairs of a trial, the one with the largest effect first; those of the output in their order."""
+        if all(each.change is None for each in trial.mistakes):
+            return trial.mistakes
+        return tuple(sorted(trial.mistakes, key=partial(alone, self.trials)))
+
+    @property
+    def most_helpful(self) -> Trial | None:
+        """Trial with the one repair that leaves the least, if that is less than half of the error."""
+        least = min((t for t in self.trials if len(t.codes) == 1), key=lambda t: t.error, default=None)
+        return least if least and least.error <= HALVED * plain(self.trials).error else None
 
     @property
     def course(self) -> Course:
@@ -210,48 +311,113 @@ class Search:
         return self.courses[0].of_scenario(gyro_rate=self.chosen.kind)
 
     @property
+    def long(self) -> Course:
+        """The first course with a motion ten times as long."""
+        return replace(self.course, moving_s=10.0 * self.course.moving_s)
+
+    @property
     def short(self) -> tuple[Course, ...]:
         """The beginning of the first course, on which repairs are compared at first."""
-        return (replace(self.courses[0], moving_s=SCREENED_S).nearly_perfect(),)
+        settle_s = min(self.courses[0].settle_s, SCREENED_REST)
+        return (replace(self.courses[0], moving_s=SCREENED_S, settle_s=settle_s).nearly_perfect(),)
+
+    @property
+    def settles_s(self) -> float:
+        """Longest rest that the filter needs on an ordinary course, s."""
+        return max(course.settle_s for course in self.courses)
 
     def run(self) -> None:
-        """Look for repairs if the filter is wrong.
-
-        If it is right from its own first attitude, or after a longer rest, go on with that.
-        """
-        self.trials += self.fully([()], courses=self.courses)
-        exact = self.trials
-        if self._is_right_on(self.courses) or any(
-            answer.broken.size for trial in (*exact, *self.trials) for answer in trial.unrepaired
-        ):
-            self.trials = exact
+        """Look for repairs if the filter is wrong, also after it has settled at rest."""
+        free = list(self.fully([()], courses=[course.free() for course in self.courses]))
+        self.trials = free
+        self.free = plain(free)
+        if any(answer.broken.size for trial in free for answer in trial.unrepaired):
+            noisy = self.answer(self.courses[0].of_scenario(**GRADE_OF_NOISE))
+            self.needs_noise = noisy is not None and not noisy.broken.size
             return
-        first = first_attitude(exact[0].unrepaired)
-        self.begins_alike = first is not None
-        # it may tell the first attitude in another convention
-        for begin in [first, IDENTITY.tolist()] * self.begins_alike:
-            if self._is_right_on([course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses]):
-                return
-        before = self.courses, self.trials
-        if not self._is_right_on([replace(course, rest_s=3.0 * REST) for course in self.courses]):
-            self.courses, self.trials = before
+        self._hear()
+        settled = self._settled()
+        self.trials = list(self.fully([()], courses=settled))
+        if self.free.error <= self.floor < plain(self.trials).error:  # it knows that the body is free
+            self.courses = tuple(course.free() for course in self.courses)
+            self.trials = free
+            return
+        self.courses = tuple(settled)
+        self._compare()
+        if plain(self.trials).error > self.floor and not self.is_by_chance:
             self.look()
 
-    def _is_right_on(self, courses: Sequence[Course]) -> bool:
-        """Go on with some courses and nearly perfect sensors; whether the filter is right there."""
-        self.courses = tuple(courses)
-        self.trials = list(self.fully([()]))
-        return plain(self.trials).error <= self.floor
+    def _settled(self) -> list[Course]:
+        """The courses with the rest that the filter needs.
 
-    def changes(self) -> Iterator[tuple[float, float]]:
-        """Changes of the estimate in an equal run, rad, and by nearly perfect sensors, or 0 up to the floor."""
-        for kind, repairs in product(GYRO_KINDS, ((), (JOINT,))):
-            course = self.courses[0].of_scenario(gyro_rate=kind)
-            given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
-            exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
-            if exact and again and nearly:
-                scatter, change = (exact.track.max_difference(other.track) for other in (again, nearly))
-                yield scatter, change if change > max(self.floor, NEAR * scatter) else 0.0
+        Where it begins with one attitude, they begin near that: a slow filter whose readings are repaired has settled
+        there at once.
+        """
+        courses = self.courses
+        if (first := first_attitude(self.free.unrepaired)) is not None:
+            starts = quaternion.multiply(first, [ASIDE, quaternion.conjugate(ASIDE)]).tolist()
+            each = zip(courses, starts, strict=False)
+            courses = tuple(course.of_scenario(initial_attitude_xyzw=start) for course, start in each)
+        return [self.settled(course) for course in courses]
+
+    def settled(self, course: Course) -> Course:
+        """The course with a rest in which the filter settles: twice as long until it has, at most `MAX_REST`."""
+        if not course.ramp_s:
+            return course
+        key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field)
+        if key not in self._rests:
+            rest = max(FIRST_REST, self.settles_s)
+            while (settled := self._settled_s(course, rest)) == np.inf and rest < MAX_REST and self._may_go_on():
+                rest = min(2.0 * rest, MAX_REST)
+            self._rests[key] = rest if settled else 0.0
+        return replace(course, settle_s=self._rests[key])
+
+    def _settled_s(self, course: Course, rest: float) -> float:
+        answer = self.answer(replace(course, settle_s=rest, moving_s=0.0, gaps_s=()))
+        return answer.settled_s if answer else 0.0
+
+    def _hear(self) -> None:
+        """Find the sensors that change nothing after the first second, and whether the magnetometer ever does."""
+        course = self.courses[0]
+        begin_ns = round(1e9 * course.rest_s)
+        plain_answer = self.answer(course)
+        for sensor in SENSOR_READINGS if plain_answer else ():
+            if self._is_deaf(course, plain_answer, sensor, begin_ns):
+                self.deaf += (sensor,)
+        if "magnetometer" in self.deaf:
+            self.is_level = self._is_deaf(course, plain_answer, "magnetometer", -(2**62))
+
+    def _is_deaf(self, course: Course, plain_answer: Answer | None, sensor: str, since_ns: int) -> bool:
+        answer = self.answer(course, Repair("", "", 0, partial(perturbed, sensor, since_ns), "", ""))
+        return bool(answer and plain_answer and answer.track.max_difference(plain_answer.track) <= UNCHANGED)
+
+    def _compare(self) -> None:
+        """Compare equal runs, and runs of nearly perfect sensors: by chance, chatter, or a change that grows."""
+        best = plain(self.trials)
+        course = self.courses[0].of_scenario(gyro_rate=best.kind)
+        exact, again, nearly = (self.answer(c, *best.repairs) for c in (course, course, course.nearly_perfect()))
+        if not (exact and again and nearly):
+            return
+        self.scatter = exact.track.max_difference(again.track)
+        change = differences(exact, nearly)
+        long = [self.answer(each, *best.repairs) for each in (self.long, self.long.nearly_perfect())]
+        later = differences(*long)
+        level = rms(change[-len(change) // 3 :])
+        growth = rms(later[-len(later) // 3 :]) if later.size else level
+        grows = level > NEAR * rms(change[: len(change) // 3]) or growth > NEAR * level
+        if grows and max(level, growth) > max(self.floor, NEAR * best.error, NEAR * self.scatter):
+            self.growth = max(level, growth)
+            before = long[1].error(0.9) if long[1] else np.pi
+            signs = {sensor: self._negated(best, sensor) for sensor in ("accelerometer", "magnetometer")}
+            self.unstable_by = next((s for s, error in signs.items() if error <= max(self.floor, MENDED * before)), "")
+        elif level > max(self.floor, NEAR * self.scatter):
+            self.chatter = float(change.max())
+
+    def _negated(self, unrepaired: Trial, sensor: str) -> float:
+        """Error at the end of a long run with the readings of a sensor negated, rad."""
+        [negated] = [each for each in exact_repairs() if (each.code, each.text) == (f"{sensor}_axes", "-x -y -z")]
+        answer = self.answer(self.long.nearly_perfect(), negated, *unrepaired.repairs)
+        return answer.error(0.9) if answer else np.pi
 
     @property
     def is_by_chance(self) -> bool:
@@ -260,15 +426,20 @@ class Search:
 
     def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
-        self.scatter, self.change = np.max([*self.changes(), (0.0, 0.0)], axis=0).tolist()
-        if self.is_by_chance:
-            return
-        self.trials += self.fully([()], CAUSES)
+        self.trials += [
+            Trial((*trial.repairs, *outputs), trial.kind, error)
+            for trial in self.trials
+            for outputs, error in without(
+                [answer.track.fraction() for answer in trial.unrepaired], self._outputs(OUTPUTS), pairs=True
+            )
+        ]
+        self._scaled()
         if self._is_mended(1):
             return
         ((unrepaired,),) = self.tried([((), self.short)])
-        singles = self._screened([(repair,) for repair in exact_repairs()], QUICK)
+        singles = self._screened([(each,) for each in exact_repairs() if not self._moves_the_start_alone(each)], QUICK)
         changing = [trial.mistakes[0] for trial in singles if trial.changes(unrepaired)]
+        self._scaled()
         if not self._is_mended(1):
             singles += self._fitted_beside(())
         firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
@@ -281,14 +452,31 @@ class Search:
                 return
             step()
 
+    def _moves_the_start_alone(self, repair: Repair) -> bool:
+        """Whether a repair changes readings that only the first answer hears; another unit may pass a gate."""
+        sensor, _, kind = repair.code.rpartition("_")
+        return sensor in self.deaf and kind != "units"
+
+    def _outputs(self, causes: Sequence[Cause]) -> Sequence[Cause]:
+        """Causes in the output that may be named: without constants, where the heading is not judged."""
+        return [cause for cause in causes if not (self.is_level and cause.price)]
+
+    @property
+    def most_updates(self) -> int:
+        """Readings of the gyro after which no more pairs are begun."""
+        return MAX_UPDATES_SETTLING if self.settles_s > CALM else MAX_UPDATES
+
     def _may_go_on(self) -> bool:
         """Whether the budget allows more runs; `is_cut` keeps a refusal."""
-        self.is_cut = self.runs >= self.most_runs
+        self.is_cut = self.runs >= self.most_runs or self.updates >= self.most_updates
         return not self.is_cut
 
     def _is_mended(self, count: int) -> bool:
         """Whether so few repairs, without a constant, leave less than the floor: no later one is named instead."""
-        return any(t.error <= self.floor and t.rank[:2] <= (count, 0) for t in self.choice()[:1])
+        return any(
+            t.error <= self.floor and (len(t.codes) <= count - (count == 1 and t.rank[1] > 0))
+            for t in self.choice()[:1]
+        )
 
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
         """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
@@ -296,13 +484,19 @@ class Search:
         rests = (first, (*first, JOINT))
         pairs = [(code, rest) for code in FITTED if code not in [each.code for each in first] for rest in rests]
         return self._screened(
-            [(self._fitted(code, rest, causes), *rest) for code, rest in pairs if self._may_go_on()], causes
+            [
+                (repair, *rest)
+                for code, rest in pairs
+                if self._may_go_on() and not (repair := self._fitted(code, rest, causes)).is_near_another
+            ],
+            causes,
         )
 
     def _screened(self, chosen: Sequence[Repairs], causes: Sequence[Cause] = ()) -> list[Trial]:
         """Try repairs on the short course, and each with some causes in the output; then the best on all courses."""
         if not chosen:
             return []
+        causes = self._outputs(causes)
         found = list(self.tried([(repairs, self.short) for repairs in chosen], causes))
         least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
         best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
@@ -310,8 +504,18 @@ class Search:
         far = PRUNING_RATIO * max(self.floor, least[best[0]].error)
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
         finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
-        self.trials += self.fully(finals, CAUSES if causes else ())
+        known = {trial.mistakes for trial in self.trials}
+        singles = dict.fromkeys((each,) for repairs in finals for each in repairs if (each,) not in known)
+        wanted = list(dict.fromkeys([*singles, *finals]))
+        self.trials += self.fully(wanted, causes and self._outputs(BESIDE), courses=self._affordable(len(wanted)))
         return [replace(trial, parts=(with_output.error, *trial.parts)) for trial, with_output in least.items()]
+
+    def _affordable(self, count: int) -> list[Course]:
+        """Courses of nearly perfect sensors, their rest cut so that so many repairs take half of the updates left."""
+        runs = max(1, 2 * len(GYRO_KINDS) * len(self.courses) * count)
+        rest_s = max(0.5 * (self.most_updates - self.updates) / runs / self.courses[0].rate - MOVING, SCREENED_REST)
+        self.is_rest_cut |= rest_s < self.settles_s
+        return [replace(each, settle_s=min(each.settle_s, rest_s)).nearly_perfect() for each in self.courses]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
         """Whether each sensor that a repair rescales is heard, and the filter does not normalise it.
@@ -348,9 +552,35 @@ class Search:
         by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in GYRO_KINDS]
         return chain.from_iterable(self.tried([*product(jointly, by_kind)], causes))
 
+    def _scaled(self) -> None:
+        """Fit a factor of the gyro near 1 beside the cheapest repairs that leave a small error: it is a note."""
+        best = {t.codes: t for t in sorted(self.trials, key=lambda t: -t.error)}
+        before = best[()].error
+        small = [t for t in best.values() if self.floor < t.error <= (MENDED * before if t.codes else UNJUDGED)]
+        scaled = {codes[1:] for codes in best if codes[:1] == ("gyro_scale",)}
+        bases = [t for t in small if t.codes not in scaled and not {"gyro_scale", "time_step"} & {*t.codes}]
+        for base in sorted(bases, key=lambda t: (t.rank, t.error))[:2]:
+            inputs = tuple(each for each in base.mistakes if each.change)
+            causes = [CODED[each.code] for each in base.mistakes if not each.change][-1:]
+            for rest in (inputs, (*inputs, JOINT)):
+                scale = self._finest(1.0, 1.0 + SCALE, rest, GYRO_KINDS[0], causes)
+                self.trials += self.fully([(factor(scale), *inputs)], causes, courses=self._affordable(1))
+
+    def _finest(self, around: float, step: float, rest: Repairs, kind: str, causes: Sequence[Cause] = ()) -> float:
+        """The best factor of the gyro near another, beside other repairs, on the first course."""
+        course = self._affordable(1)[0].of_scenario(gyro_rate=kind)
+
+        def error(value: float) -> float:
+            (trials,) = self.tried([((factor(value), *rest), (course,))], causes)
+            return trials[-1].error
+
+        return least(error, around, step)
+
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
         """The best constant of a repair beside others, and perhaps one of the output."""
         of, tried = FITTED[code]
+        if code == "time_step":
+            tried = tuple(sorted({*tried, *self._scales(rest)}))
 
         def left(values: Iterable[float]) -> list[float]:
             asked = [((of(value), *rest), self.short) for value in values]
@@ -360,13 +590,22 @@ class Search:
         low = tried[max(0, place - 1)]
         high = tried[min(len(tried) - 1, place + 1)]
         if code == "time_step":
-            best: float = scipy.optimize.minimize_scalar(
-                lambda value: left([value])[0] ** 2, bounds=(low, high), method="bounded"
-            ).x
+            best = least(lambda value: left([value])[0], tried[place], STEP)
+            if left([best])[0] <= self.floor:  # a filter that corrects much hides a small error on so short a course
+                best = self._finest(best, FINE, rest, GYRO_KINDS[0])
         else:
             between = [count for count in range(int(low), int(high) + 1) if count]
             best = between[int(np.argmin(left(between)))]
         return of(best)
+
+    def _scales(self, rest: Repairs) -> Iterator[float]:
+        """Factors of the gyro by which the estimate would turn as much as the body, by its turns with some factors."""
+        for value in SCALES:
+            for _ in range(3):  # Newton's steps: turns are nearly proportional to the factor
+                ((trial, *_),) = self.tried([((factor(value), *rest), self.short)])
+                ratio = trial.track.turn_ratio() if trial.track else 0.0
+                value = float(np.clip(value / ratio if ratio > 0.0 else 0.0, 1e-7, 1e7))
+            yield value
 
     def tried(
         self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = ()
@@ -395,7 +634,9 @@ class Search:
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.thinned(SCREENED) for each in tracks]
-            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], () if repairs else right)
+            alone = Trial(
+                repairs, kind, error_of(tracks), parts, tracks[0], () if repairs not in ((), (JOINT,)) else right
+            )
             yield [
                 alone,
                 *(
@@ -410,3 +651,22 @@ def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
     errors = np.array([trial.parts for trial in trials])
     places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
     return [trials[number] for number in np.argsort(places, kind="stable")]
+
+
+def differences(one: Answer | None, other: Answer | None) -> Array:
+    """Angles between the attitudes of two answers, rad; none where the filter failed."""
+    if one is None or other is None:
+        return np.zeros(0)
+    both = min(len(one.track.stamps_ns), len(other.track.stamps_ns))
+    return np.asarray(angles_between(one.track.attitude_xyzw[:both], other.track.attitude_xyzw[:both]))
+
+
+def least(error: Callable[[float], float], around: float, step: float) -> float:
+    """Factor of the least error between another one divided by a step, and times it."""
+    found = scipy.optimize.minimize_scalar(
+        lambda value: error(value) ** 2,
+        bounds=(around / step, around * step),
+        method="bounded",
+        options={"xatol": 1e-5 * around},
+    )
+    return float(found.x)

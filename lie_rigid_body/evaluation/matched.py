@@ -40,12 +40,15 @@ class Matched:
         The true attitude at any stamp.
     origin_ns : int, optional
         Stamp at which a clock of another rate was right, ns; by default the first of the whole track.
+    is_level : bool
+        Whether the total error is that of the vertical, as of an estimate without a heading.
     """
 
     stamps_ns: Integers
     attitude_xyzw: Array
     truth: Truth
     origin_ns: int | None = None
+    is_level: bool = False
 
     @property
     def origin(self) -> int:
@@ -83,12 +86,18 @@ class Matched:
 
     def error(self) -> AttitudeError:
         """Error angles of each sample, shape (N,) each, rad."""
-        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(self.truth_xyzw)))
+        error = angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(self.truth_xyzw)))
+        return error._replace(total=error.inclination) if self.is_level else error
 
     def max_difference(self, other: Matched) -> float:
         """Largest difference from other attitudes, sample by sample while both go on, rad."""
         both = min(len(self.stamps_ns), len(other.stamps_ns))
         return float(np.max(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])))
+
+    def turn_ratio(self) -> float:
+        """Turn of the estimate from sample to sample about the axis of the true one, as a multiple of that."""
+        estimated, true = (relative_rotations(q[:-1], q[1:]) for q in (self.attitude_xyzw, self.truth_xyzw))
+        return float(np.sum(estimated * true) / np.sum(true * true))
 
     def partial_errors(self) -> tuple[float, float]:
         """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""

@@ -40,19 +40,29 @@ def parts_of_diagnosis(found: FilterDiagnosis) -> list[Part]:
         Table(
             ("probe", "", "value", ""),
             [
-                (p.code, "passed" if p.passed else "FAILED", "" if p.value is None else f"{p.value:.3g}", p.message)
+                (
+                    p.code,
+                    {True: "passed", False: "FAILED", None: "not judged"}[p.passed],
+                    "" if p.value is None else f"{p.value:.3g}",
+                    p.message,
+                )
                 for p in found.probes
             ],
             "Probes",
-            {number for number, probe in enumerate(found.probes) if not probe.passed},
+            {number for number, probe in enumerate(found.probes) if probe.passed is False},
+        ),
+        Table(
+            ("situation", "RMS error"),
+            [(s.name, "failed" if s.rms_deg is None else degrees(s.rms_deg)) for s in found.situations],
+            "Situations, with perfect sensors",
         ),
         Sentences([f"{note.code}: {note.message}" for note in found.notes], "Notes"),
         Sentences(found.remarks),
         Sentences(
             [
-                f"{counted(found.filter_runs, 'run')} of the filter, with perfect sensors but where a probe says "
-                f"otherwise. Nothing is looked for below {found.floor_deg:.2g}°, a tenth of the turn between two "
-                "readings."
+                f"{counted(found.filter_runs, 'run')} of the filter, {counted(found.updates, 'reading')} of the gyro, "
+                "with perfect sensors but where a probe says otherwise. Nothing is looked for below "
+                f"{found.floor_deg:.2g}°, a tenth of the turn between two readings."
             ]
         ),
     ]

@@ -12,12 +12,14 @@ from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.course import readings as readings_of
 from lie_rigid_body.diagnosis.examination import instead_of
 from lie_rigid_body.diagnosis.repairs import (
+    CODED,
     FITTED,
     JOINT,
     ORDER,
     SENSOR_READINGS,
     Repair,
     exact_repairs,
+    factor,
     late,
     of_output,
 )
@@ -88,7 +90,8 @@ def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
     repairs = Counter(repair.code for repair in exact_repairs())
     assert [repairs[f"{sensor}_axes"] for sensor in SENSOR_READINGS] == [47, 47, 47]
     assert repairs["body_axes"] == 23
-    assert {*repairs, *FITTED, *(cause.code for cause in CAUSES)} == {*ORDER}
+    assert repairs["gyro_world_axes"] == 24
+    assert {*repairs, *FITTED, *CODED, factor(1.01).code} == {*ORDER}
     assert len({(repair.code, repair.text) for repair in exact_repairs()}) == len(exact_repairs())
 
 
