@@ -170,7 +170,7 @@ def test_an_evaluation_finds_them_as_large_as_they_say() -> None:
         (imu_arrays.orientation_xyzw, imu_arrays.t_ns, ahrs),
     ):
         consistency = run.score(attitude, t_ns, covariance=covariance, diagnosed=False).consistency
-        assert consistency.verdict == "consistent"
+        assert consistency.mean == pytest.approx(3.0, rel=0.3)
 
 
 def test_the_sun_is_a_unit_vector_in_the_body() -> None:
