@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
+from math import comb
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.campaign.definition import Campaign, EstimatorSpec
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Row, RunScore, errors_of
-from lie_rigid_body.evaluation.differences import Difference, of_runs
+from lie_rigid_body.evaluation.cramer_rao_bound import mean_square
+from lie_rigid_body.evaluation.differences import Difference, of_pairs
 from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS, EnsembleConsistency, ensemble_consistency
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -38,12 +41,15 @@ class Point:
     failures : int
     reason : str
         What it failed of in the first run of these; '' if it did in none.
+    difference : Difference or None
+        Ratio of the error of the best point to that of this one; None of the best.
     """
 
     parameters: Mapping[str, Any]
     mean_deg: float
     failures: int
     reason: str
+    difference: Difference | None = None
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -102,18 +108,21 @@ class EstimatorSummary:
         return [int(run) for run in self.runs[np.argsort(-key, kind="stable")[:count]]]
 
 
-class Best(NamedTuple):
-    """Smallest error that the sensors of a run allow.
+class Bound(NamedTuple):
+    """Cramér–Rao bound of a run, for filters that do not know the dynamics.
 
     Attributes
     ----------
     run : int
     rms_deg : float
-        RMS of the total error of the best filter, degrees.
+        Bound of the RMS of the total error, degrees.
+    curve_deg : ndarray, shape (`CURVE`,)
+        Bound of the total error over time, degrees.
     """
 
     run: int
     rms_deg: float
+    curve_deg: Array
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -125,11 +134,11 @@ class Comparison:
     summaries : tuple of EstimatorSummary
         In the order of the campaign.
     differences : tuple of (EstimatorSummary, EstimatorSummary, Difference)
-        Of each pair: difference of the RMS of the total error, degrees, over the runs in which both are scored.
+        Of each pair: ratio of the RMS of the total error over the runs in which both are scored.
     t_s : ndarray, shape (`CURVE`,)
         Times of the curves, s.
-    best : Best or None
-        What the sensors leave at best, in the first run in which every estimator is scored.
+    bound : Bound or None
+        That of the first run in which every estimator is scored.
     independent : bool
         Whether no two runs have the same noise, without which nothing is said of covariances.
     has_covariances : bool
@@ -141,7 +150,7 @@ class Comparison:
     summaries: tuple[EstimatorSummary, ...]
     differences: tuple[tuple[EstimatorSummary, EstimatorSummary, Difference], ...]
     t_s: Array
-    best: Best | None
+    bound: Bound | None
     independent: bool
     has_covariances: bool
     fixed_constants: tuple[str, ...]
@@ -171,11 +180,13 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     independent = _SEED in campaign.vary and len({*seeds}) == len(seeds)
     chosen = [_best([one for one in entries if one.entry.name == name]) for name in campaign.estimator_specs]
     summaries = tuple(one.summary(points, duration if independent else None) for one, points in chosen)
+    pairs = [*combinations(summaries, 2)]
+    differences = of_pairs([_in_common(*pair) for pair in pairs])
     return Comparison(
         summaries,
-        tuple((first, second, _difference(first, second)) for first, second in combinations(summaries, 2)),
+        tuple((*pair, difference) for pair, difference in zip(pairs, differences, strict=True)),
         np.linspace(0.0, duration, CURVE),
-        _best_possible(campaign, summaries),
+        _bound(campaign, summaries),
         independent,
         any(each.covariance for one, _ in chosen for each in one.kept),
         _fixed_constants(campaign),
@@ -264,31 +275,39 @@ def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, .
     if not entries[0].entry.grid:
         return entries[0], ()
     points = []
-    for one in entries:
-        totals = one.scored(0)[1][_TOTAL]
-        right = totals[~np.isnan(totals)]
+    totals = [one.scored(0)[1][_TOTAL] for one in entries]
+    for one, total in zip(entries, totals, strict=True):
+        right = total[~np.isnan(total)]
         mean = float(np.mean(right)) if len(right) else np.nan
-        points.append(Point(one.entry.parameters, mean, len(totals) - len(right), one.reasons.get(0, "")))
+        points.append(Point(one.entry.parameters, mean, len(total) - len(right), one.reasons.get(0, "")))
     best = min(range(len(points)), key=lambda at: (points[at].failures, np.nan_to_num(points[at].mean_deg, nan=np.inf)))
+    others = [at for at in range(len(points)) if at != best]
+    # chosen after a look at all errors, it is judged among all pairs
+    found = of_pairs([(totals[best], totals[at]) for at in others], comb(len(points), 2))
+    for at, difference in zip(others, found, strict=True):
+        points[at] = replace(points[at], difference=difference)
     return entries[best], tuple(points)
 
 
-def _difference(first: EstimatorSummary, second: EstimatorSummary) -> Difference:
-    """Difference over the runs in which both are scored."""
+def _in_common(first: EstimatorSummary, second: EstimatorSummary) -> tuple[Array, Array]:
+    """Errors of two estimators in the runs in which both are scored, degrees; NaN where one failed."""
     _, left, right = np.intersect1d(first.runs, second.runs, return_indices=True)
-    return of_runs(first.scores[_TOTAL][left], second.scores[_TOTAL][right])
+    return first.scores[_TOTAL][left], second.scores[_TOTAL][right]
 
 
-def _best_possible(campaign: Campaign, summaries: Sequence[EstimatorSummary]) -> Best | None:
+def _bound(campaign: Campaign, summaries: Sequence[EstimatorSummary]) -> Bound | None:
     """The bound in the first run in which every estimator is scored; None if there is none."""
     runs = set.intersection(*({*one.runs[~one.failed].tolist()} for one in summaries))
     if not runs:
         return None
-    run = min(runs)
-    bound = simulate(campaign.scenario_of(run), duration=campaign.duration).cramer_rao_bound()
+    number = min(runs)
+    run = simulate(campaign.scenario_of(number), duration=campaign.duration)
+    bound = run.cramer_rao_bound()
     if bound is None or bound.unobserved:
         return None
-    return Best(run, float(np.degrees(bound.rms(bound.filtered))))
+    t_s = (bound.stamps_ns - run.t_ns[0]) / 1e9
+    squares = np.interp(np.linspace(0.0, float(campaign.exact_duration), CURVE), t_s, mean_square(bound.filtered))
+    return Bound(number, float(np.degrees(bound.rms(bound.filtered))), np.degrees(np.sqrt(squares)))
 
 
 def _verdict(duration_s: float | None, run_scores: list[RunScore], *, of_bias: bool) -> EnsembleConsistency | None:

@@ -22,6 +22,7 @@ from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.wording import MAX_NAMES, counted, listed, printable, shown
 from lie_rigid_body.report import campaign_scores, html_page
+from lie_rigid_body.report.answer import Conclusion, Details, Part, as_page
 from lie_rigid_body.report.outputs import require_outputs
 from lie_rigid_body.report.overview import VerdictRow, page
 from lie_rigid_body.system import console
@@ -131,7 +132,7 @@ def _carry_out(campaign: Campaign, results: Results, given: argparse.Namespace) 
                     errors.append([run_score["scores"][ERROR] for run_score in outcome.run_scores])
                 else:
                     failed[run] = outcome
-                if len(errors) == MAX_FAILURES:  # an estimator that failed in all of them has a mistake
+                if len(errors) == MAX_FAILURES and not any(None in of_run for of_run in errors):
                     _require_scores(campaign, errors, f"{MAX_FAILURES} runs")
                 bar.update()
                 if in_a_row == MAX_FAILURES:
@@ -186,7 +187,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
         f"{max(row.attitude_accuracy_rad for row in rows):.2g} rad, in {printable(str(path))}",
         *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
     ]
-    first: list[str] = []
+    first: list[Part] = []
     worst_first = [*campaign.estimator_specs.values()]
     if campaign.estimator is not None:
         told.append(_scored(rows))
@@ -195,7 +196,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         worst_first = [one.entry for one in comparison.worst_first]
         if given.report is not None:
-            first = campaign_scores.sections(campaign, comparison, {row.run: row.parameters for row in rows})
+            first = campaign_scores.parts(campaign, comparison, {row.run: row.parameters for row in rows})
     if campaign.gives:
         told.append(f"given to estimators beside the readings: {', '.join(campaign.gives)}")
     if function := next((one.function for one in worst_first if one.function), None):
@@ -226,7 +227,12 @@ def _scored(rows: Sequence[Row]) -> str:
     return f"{len(totals)} scored{middle}{next(reasons, '')}"
 
 
-def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[str]) -> bytes:
+def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[Part]) -> bytes:
+    title = f"Campaign {name}"
+    if first:
+        certified = sum(row.certified for row in rows)
+        count = Conclusion([f"{certified} of {len(rows)} runs CERTIFIED"], certified == len(rows))
+        return as_page(title, [*first, count, Details("Campaign", campaign.to_json())], with_figures=True)
     lines = [
         VerdictRow(
             (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
@@ -237,7 +243,7 @@ def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[st
         for row in rows
     ]
     more = [html_page.details("Campaign", campaign.to_json())]
-    return page(f"Campaign {name}", "runs", ("run", *campaign.vary), lines, more, first=first)
+    return page(title, "runs", ("run", *campaign.vary), lines, more)
 
 
 def _cell(value: Value | Sequence[float]) -> str:

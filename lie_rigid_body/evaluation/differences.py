@@ -1,217 +1,215 @@
-"""Difference of the RMS errors of two estimates, with its interval: which one is better, and whether that is luck.
+"""Ratios of the errors of estimators over runs that they have in common, and whether a difference is shown or luck.
 
-Errors of one run are correlated in time, so moving blocks of samples are drawn again, as long as the errors remember:
-D. N. Politis, H. White, Econometric Reviews 23:53 (2004), with the correction by A. Patton et al., ibid. 28:372 (2009),
-for circular blocks. Over many runs, which are independent, whole runs are drawn again.
+Each run is a pair, as both estimators have the same motion and the same noise. The logarithms of the ratios of the RMS
+errors are compared with 0 by the signed-rank test of F. Wilcoxon (Biometrics Bulletin 1:80, 1945), so a run that
+diverges counts by its rank alone. The values p of several pairs are adjusted after S. Holm (Scandinavian Journal of
+Statistics 6:65, 1979). The ratio and its interval are those of J. L. Hodges and E. L. Lehmann (Annals of Mathematical
+Statistics 34:598, 1963), by the means of all two logarithms. The intervals of all pairs hold together (Bonferroni).
+
+One run has no such interval: its samples are correlated, and an error that is constant in it differs in the next one.
+
+Measured (benchmarks/paired_runs.py): of equally good filters a difference is shown in 4 to 6 % of campaigns, of six in
+3 to 4 %. Where 5 % of the runs diverge, 25 runs show a ratio of 0.85 in 41 % of campaigns; Student's t of the
+differences in degrees does in 4 %. Intervals hold the true ratio in 94 to 96 %.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.evaluation.arguments import numbers, real_numbers
-from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.evaluation.arguments import real_numbers
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import counted
 
-PROBABILITY: Final = 0.95
-"""Probability of the intervals."""
-RESAMPLED: Final = 1000
-"""Number of resamplings."""
-MAX_SAMPLES: Final = 20_000
-"""Largest number of samples that are drawn again one by one; of more, means of neighbours are."""
-MIN_COMPARED: Final = 10
-"""Least number of samples or runs whose difference has an interval."""
-MIN_BLOCKS: Final = 5
-"""Least number of blocks of a run."""
-MAX_BLOCKS: Final = 500
-"""Largest number of blocks of a run: more tell hardly more of the spread."""
+LEVEL: Final = 0.05
+"""Probability that a difference is shown in any pair of equally good estimators, and that any interval misses."""
+NO_ANSWER_DEG: Final = 180.0
+"""Error of a run without an answer, degrees."""
+MIN_ERROR_DEG: Final = 1e-9
+"""Smallest error of which a ratio is taken, degrees."""
+ROUND_OFF: Final = 1e-9
+"""Largest logarithm of a ratio that counts as 0."""
+MAX_EXACT: Final = 50
+"""Largest number of runs of which the distribution of the ranks is exact; that of more is normal."""
+MAX_MEANS: Final = 1000
+"""Largest number of logarithms whose means are made; more are replaced by so many of their quantiles."""
 
 
 @short_dataclass(frozen=True)
 class Difference:
-    """Difference of the RMS errors of two estimates: below 0 where the first is better.
+    """Ratio of the errors of two estimators: below 1 where that of the first is smaller.
 
     Attributes
     ----------
-    value, low, high : float
-        The difference and its interval of 95 %, in the unit of the errors.
-    better : int
-        Number of runs in which the first is better; of one run 0 or 1.
+    ratio, low, high : float
+        The ratio and its interval at the level 1 − 0.05 / `pairs`; from 0 to infinity where there are too few runs.
+    p : float
+        Value p of the signed-rank test, adjusted for all pairs; it decides.
+    smaller : int
+        Number of runs in which the error of the first is smaller.
     runs : int
         Number of runs that both have.
-    left_out : int
-        Number of runs in which either failed.
+    without_answer : tuple of int
+        Number of runs in which the first and the second gave no answer, which count as an error of 180°.
+    pairs : int
+        Number of pairs that are compared together.
     """
 
-    value: float
+    ratio: float
     low: float
     high: float
-    better: int
+    p: float
+    smaller: int
     runs: int
-    left_out: int = 0
+    without_answer: tuple[int, int] = (0, 0)
+    pairs: int = 1
 
     @property
-    def is_sure(self) -> bool:
-        """Whether the interval has one sign."""
-        return self.low > 0.0 or self.high < 0.0
+    def is_shown(self) -> bool:
+        """Whether one error is shown to be smaller than the other."""
+        return self.p <= LEVEL
 
-    def sentence(self, first: str, second: str, unit: str = "°") -> str:
-        """Sentence about the difference of two estimates of these names."""
-        if not np.isfinite(self.low):
-            few = "few common samples" if self.runs == 1 else f"few common runs ({self.runs})"
-            return f"{first} and {second}: too {few} to tell a difference"
-        among = "" if self.runs == 1 else f" that {self.runs} runs could show"
-        if not self.is_sure:
-            low, high = (f"{round(end, 12) + 0.0:+.2g}{unit}" for end in (self.low, self.high))
-            return f"{first} and {second}: no difference{among} ({low} to {high})"
-        best, worst, wins = (
-            (first, second, self.better) if self.value < 0.0 else (second, first, self.runs - self.better)
-        )
-        runs = "" if self.runs == 1 else f", in {wins} of {self.runs} runs"
-        by = f"{abs(self.value):.2g}{unit} ± {0.5 * (self.high - self.low):.2g}{unit}"
-        return f"{best} is better than {worst} by {by}{runs}"
+    @property
+    def factor(self) -> float:
+        """Factor between two errors that so many runs would show: half of the interval's width, as a ratio."""
+        return float(np.sqrt(self.high / self.low)) if self.low else np.inf
 
+    @property
+    def fewest(self) -> int:
+        """Smallest number of runs that can show anything in so many pairs."""
+        return fewest_runs(self.pairs)
 
-def _both(first: ArrayLike, second: ArrayLike) -> Array:
-    """Read two rows of as many numbers, shape (2, N)."""
-    one = real_numbers("first", first, "(N,)")
-    other = real_numbers("second", second, "(N,)")
-    if one.ndim != 1 or one.shape != other.shape:
-        raise InputError(f"second: shape {other.shape} beside {one.shape}: give two flat lists that are as long")
-    both = np.stack([one, other])
-    with np.errstate(over="ignore"):
-        squares = np.sum(np.square(both[np.isfinite(both)]))
-    if not np.isfinite(squares):
-        raise InputError("first, second: their squares are beyond double precision, 1.8e308: give smaller errors")
-    return both
+    def sentence(self, first: str, second: str) -> str:
+        """Sentence about the errors of two estimators of these names, without a full stop."""
+        if self.is_shown:
+            interval = f" ({self.low:.3g} to {self.high:.3g})" if self.low else ""
+            said = f"{first}'s error is {self.ratio:.3g} of {second}'s{interval}"
+        else:
+            said = f"{first} and {second}: a difference is not shown with {counted(self.runs, 'run')}; {self._limit()}"
+        failed = [
+            f"{name} gave no answer in {counted(count, 'run')}, counted as 180°"
+            for name, count in zip((first, second), self.without_answer, strict=True)
+            if count
+        ]
+        return "; ".join([said, *failed])
 
-
-def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
-    """Difference of the RMS of two errors of one run, by moving blocks.
-
-    Parameters
-    ----------
-    first, second : array_like, shape (N,)
-        Errors at the same stamps, which are about even.
-    seed : int
-        Seed of the resampling.
-
-    Raises
-    ------
-    InputError
-        If they are not two flat lists of as many finite numbers, or the seed is no whole number from 0 on.
-    """
-    both = _both(first, second)
-    seed = whole_number("seed", seed, 0)
-    errors = numbers("errors", both.T, 2).T if both.size else both
-    value = rms(errors[0]) - rms(errors[1])
-    squares = errors**2
-    given = errors.shape[1]
-    if given > MAX_SAMPLES:
-        group = -(-given // MAX_SAMPLES)
-        squares = squares[:, : given // group * group].reshape(2, -1, group).mean(axis=2)
-    count = squares.shape[1]
-    if count < MIN_COMPARED:
-        return Difference(value, -np.inf, np.inf, int(value < 0.0), 1)
-    # the difference of the roots, linearised, is a mean, of which the blocks are to keep the variance
-    slopes = 0.5 / np.maximum(np.sqrt(squares.mean(axis=1)), np.finfo(float).tiny)
-    length, wider = blocks_of(slopes[0] * squares[0] - slopes[1] * squares[1])
-    sums = np.concatenate(
-        [np.zeros((2, 1)), np.cumsum(np.concatenate([squares, squares[:, :length]], axis=1), axis=1)], axis=1
-    )
-    draws = np.random.default_rng(seed)
-    blocks = max(1, round(count / length))
-    begins = draws.integers(0, count, size=(RESAMPLED, blocks))
-    means = (sums[:, begins + length] - sums[:, begins]).sum(axis=2) / (blocks * length)
-    resampled = value + wider * (np.sqrt(means[0]) - np.sqrt(means[1]) - value)
-    return _with_interval(value, resampled, int(value < 0.0), 1, freedom=blocks - 1)
+    def _limit(self) -> str:
+        if self.low:
+            return f"they would show a factor of {self.factor:.3g}"
+        return f"at least {self.fewest} are needed for {counted(self.pairs, 'pair')}"
 
 
-def of_runs(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
-    """Mean difference of the RMS errors of two estimates over runs, by bootstrap of runs.
+def fewest_runs(pairs: int) -> int:
+    """Smallest number n of runs that can show anything in so many pairs: 2 · 2⁻ⁿ ≤ 0.05 / pairs."""
+    return int(np.ceil(np.log2(2.0 * pairs / LEVEL)))
+
+
+def of_runs(first: ArrayLike, second: ArrayLike) -> Difference:
+    """Ratio of the errors of two estimators over the same runs.
 
     Parameters
     ----------
     first, second : array_like, shape (R,)
-        RMS errors of the same runs; NaN where the estimate failed.
-    seed : int
-        Seed of the resampling.
+        RMS errors, degrees; NaN where there is no answer.
 
     Raises
     ------
     InputError
-        If they are not two flat lists of as many numbers, or the seed is no whole number from 0 on.
+        As `of_pairs`.
     """
-    errors = _both(first, second)
-    seed = whole_number("seed", seed, 0)
-    both = np.isfinite(errors).all(axis=0)
-    differences = (errors[0] - errors[1])[both]
-    left_out = int(np.sum(~both))
-    runs = len(differences)
-    better = int(np.sum(differences < 0.0))
-    value = float(differences.mean()) if runs else np.nan
-    if runs < MIN_COMPARED:
-        return Difference(value, -np.inf, np.inf, better, runs, left_out)
-    draws = np.random.default_rng(seed)
-    resampled = np.concatenate(
-        [differences[draws.integers(0, runs, (100, runs))].mean(axis=1) for _ in range(RESAMPLED // 100)]
-    )
-    return _with_interval(value, resampled, better, runs, left_out, freedom=runs - 1)
+    return of_pairs([(first, second)])[0]
 
 
-def _with_interval(
-    value: float, resampled: Array, better: int, runs: int, left_out: int = 0, *, freedom: int
-) -> Difference:
-    """Quantiles of what was drawn again, farther out by Student's quantile for so many independent parts.
-
-    Means of n parts that are drawn again from n vary less by the factor n − 1 of n than those of new ones.
-    """
-    tail = 0.5 * (1.0 - PROBABILITY)
-    freedom = max(1, freedom)
-    wider = scipy.stats.t.isf(tail, freedom) / scipy.stats.norm.isf(tail) * np.sqrt((freedom + 1) / freedom)
-    low, high = (np.quantile(resampled, [tail, 1.0 - tail]) - value) * wider
-    return Difference(value, value + float(low), value + float(high), better, runs, left_out)
-
-
-def blocks_of(values: Array) -> tuple[int, float]:
-    """Length of the circular blocks that estimate the variance of a mean best, and how much it is to be widened.
+def of_pairs(pairs: Sequence[tuple[ArrayLike, ArrayLike]], among: int = 0) -> list[Difference]:
+    """Ratios of the errors of several pairs of estimators, which are judged together.
 
     Parameters
     ----------
-    values : ndarray, shape (N,)
-        Samples of a stationary process.
+    pairs : sequence of (array_like, array_like), shape (R,) each
+        RMS errors of two estimators in the same runs, degrees; NaN where there is no answer. R may differ by the pair.
+    among : int, optional
+        Number of pairs among which these were chosen, where there are more.
 
-    Returns
-    -------
-    int
-        Samples.
-    float
-        What deviations are multiplied by, at least 1. Blocks of length L miss correlations across their ends, which are
-        a share g / (L v) of the variance v, where g = Σ |k| R(k).
+    Raises
+    ------
+    InputError
+        If errors are not two flat lists of as many numbers from 0 on.
     """
-    n = len(values)
-    # autocovariances by the spectrum of the padded values
-    covariances = np.fft.irfft(np.abs(np.fft.rfft(values - values.mean(), 2 * n)) ** 2)[:n] / n
-    if covariances[0] <= 0.0:
-        return 1, 1.0
-    quiet = max(5, int(np.ceil(np.sqrt(np.log10(n)))))
-    longest = n // MIN_BLOCKS + quiet
-    loud = np.abs(covariances[1 : longest + 1] / covariances[0]) >= 2.0 * np.sqrt(np.log10(n) / n)
-    # the last lag before so many quiet ones in a row
-    runs = np.convolve(~loud, np.ones(quiet), mode="valid") == quiet
-    last = int(np.argmax(runs)) if runs.any() else longest - quiet
-    lags = np.arange(1, min(2 * max(last, 1), n - 1) + 1)
-    window = np.clip(2.0 * (1.0 - lags / (2.0 * max(last, 1))), 0.0, 1.0)
-    variance = covariances[0] + 2.0 * float(np.sum(window * covariances[lags]))
-    slope = 2.0 * float(np.sum(window * lags * covariances[lags]))
-    if variance <= 0.0:
-        return 1, 1.0
-    length = (1.5 * (slope / variance) ** 2 * n) ** (1.0 / 3.0)
-    chosen = int(np.clip(np.ceil(length), max(1, n // MAX_BLOCKS), max(1, n // MIN_BLOCKS)))
-    return chosen, float(np.sqrt(1.0 / (1.0 - min(max(slope / (variance * chosen), 0.0), 0.5))))
+    among = max(among, len(pairs))
+    read = [_both(*pair) for pair in pairs]
+    logarithms = [_logarithms(errors) for errors in read]
+    values = np.array([_value(each) for each in logarithms])
+    adjusted = np.ones(len(pairs))
+    largest = 0.0
+    for place, number in enumerate(np.argsort(values, kind="stable")):
+        largest = max(largest, float(values[number]) * (among - place))
+        adjusted[number] = min(1.0, largest)
+    found = list[Difference]()
+    for each, errors, p in zip(logarithms, read, adjusted, strict=True):
+        ratio, low, high = np.exp(_interval(each, LEVEL / among)).tolist()
+        lost = np.isnan(errors).sum(axis=1).tolist()
+        smaller = int(np.sum(each < 0.0))
+        found.append(Difference(ratio, low, high, float(p), smaller, len(each), (lost[0], lost[1]), among))
+    return found
+
+
+def _both(first: ArrayLike, second: ArrayLike) -> Array:
+    """Read two lists of as many errors, shape (2, R)."""
+    one = real_numbers("first", first, "(R,)")
+    other = real_numbers("second", second, "(R,)")
+    if one.ndim != 1 or one.shape != other.shape:
+        raise InputError(f"second: shape {other.shape} beside {one.shape}: give two flat lists that are as long")
+    both = np.stack([one, other])
+    wrong = both[(both < 0.0) | np.isinf(both)]
+    if wrong.size:
+        raise InputError(f"first, second: {wrong[0]:g} is no error: give numbers from 0 on, NaN where there is none")
+    return both
+
+
+def _logarithms(errors: Array) -> Array:
+    """Logarithms of the ratios of two rows of errors; 0 where they differ by round-off."""
+    first, second = np.log(np.maximum(np.where(np.isnan(errors), NO_ANSWER_DEG, errors), MIN_ERROR_DEG))
+    difference = first - second
+    return np.asarray(np.where(np.abs(difference) > ROUND_OFF, difference, 0.0))
+
+
+def _value(logarithms: Array) -> float:
+    """Value p of the signed-rank test; 1 where there is no difference in any run."""
+    different = logarithms[logarithms != 0.0]
+    return float(scipy.stats.wilcoxon(different).pvalue) if len(different) else 1.0
+
+
+def _interval(logarithms: Array, level: float) -> tuple[float, float, float]:
+    """Median of the means of all two logarithms, and their interval, which misses the true one at this level."""
+    runs = len(logarithms)
+    if not runs:
+        return np.nan, -np.inf, np.inf
+    below = _below(runs, 0.5 * level) / (0.5 * runs * (runs + 1))
+    few = logarithms
+    if runs > MAX_MEANS:
+        few = np.quantile(logarithms, (np.arange(MAX_MEANS) + 0.5) / MAX_MEANS)
+    i, j = np.triu_indices(len(few))
+    means = np.sort(0.5 * (few[i] + few[j]))
+    out = round(below * len(means))
+    low, high = (float(means[out - 1]), float(means[-out])) if out else (-np.inf, np.inf)
+    return float(np.median(means)), low, high
+
+
+@lru_cache
+def _below(runs: int, tail: float) -> int:
+    """Number of means below the interval: the largest k with P(T < k) at most the tail; T is the sum of the ranks."""
+    if runs > MAX_EXACT:
+        deviation = np.sqrt(runs * (runs + 1) * (2 * runs + 1) / 24.0)
+        return int(0.25 * runs * (runs + 1) - scipy.stats.norm.isf(tail) * deviation)
+    counts = np.ones(1)
+    for rank in range(1, runs + 1):
+        counts = np.convolve(counts, [1.0, *[0.0] * (rank - 1), 1.0])
+    return int(np.searchsorted(np.cumsum(counts) / 2.0**runs, tail, side="right"))

@@ -75,6 +75,8 @@ class EnsembleConsistency:
         What the covariance is to be multiplied by to have the right mean NEES.
     factor_bounds : tuple of float
         Interval of `factor` at 95 %.
+    over_time : tuple of (float, float)
+        Times, s, and the mean NEES over the runs at each.
     """
 
     runs: int
@@ -86,6 +88,7 @@ class EnsembleConsistency:
     cause: str
     factor: float
     factor_bounds: tuple[float, float]
+    over_time: tuple[tuple[float, float], ...]
 
     @property
     def passed(self) -> bool:
@@ -195,6 +198,7 @@ def ensemble_consistency(
         "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed),
         factor,
         (low / dimension, high / dimension),
+        tuple(zip(times.tolist(), values.mean(axis=0).tolist(), strict=True)),
     )
 
 

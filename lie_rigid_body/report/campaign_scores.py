@@ -11,20 +11,19 @@ import numpy as np
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary
+from lie_rigid_body.evaluation.differences import Difference
 from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.report import answer
-from lie_rigid_body.report.answer import Part, Sentences, Table
+from lie_rigid_body.report.answer import Part, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import DISTINCT
 from lie_rigid_body.report.html_page import (
     axis,
     drawn,
-    escaped,
     figure,
     grid,
     line,
-    listing,
     logarithmic,
 )
 from lie_rigid_body.scenario.parameter_file import recording
@@ -34,13 +33,14 @@ _COLUMNS: Final = (
     "total",
     "heading",
     "inclination",
-    "converges",
+    "settles",
     "NEES",
     "gyro bias",
-    "failed",
-    "a reading",
+    "no answer",
+    "time per reading",
 )
-_HEAD: Final = "Medians over the runs; of errors and times 95 % of the runs are below the second number."
+_HEAD: Final = "Medians over the runs; 95 % of the runs are below the number in brackets."
+WITHOUT_DYNAMICS: Final = "Cramér–Rao bound of filters that do not know the dynamics"
 _PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
 """Scores of which the median and a larger one are told, and their units."""
 
@@ -53,30 +53,64 @@ def as_text(comparison: Comparison) -> str:
     return answer.as_text(_parts(comparison))
 
 
-def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[str]:
-    """HTML of the answer, with figures and the commands of the worst runs."""
+def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[Part]:
+    """Answer for a page, with figures and the commands of the worst runs."""
     shown = [*zip(comparison.summaries, cycle(DISTINCT), strict=False)]
-    commands = [
-        f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
-        for one in comparison.summaries
-        for run in one.worst(3)
-    ]
     return [
-        *answer.as_html(_parts(comparison)),
-        grid(_figures(comparison, shown, varied), wide=True),
-        listing("Worst runs", commands),
+        *_table(comparison),
+        Picture(lambda: grid(_errors_over_time(comparison, shown), wide=True)),
+        *_pairs(comparison),
+        Picture(lambda: grid(_nees_over_time(shown), wide=True)),
+        Sentences([*_sentences(comparison)]),
+        Picture(lambda: grid(_figures(shown, varied), wide=True)),
+        _worst_runs(campaign, comparison),
     ]
 
 
 def _parts(comparison: Comparison) -> list[Part]:
-    """Table of the estimators, and sentences on pairs, grids, covariances and failures."""
+    """Table of the estimators, matrix of the pairs, and sentences on grids, covariances and failures."""
+    return [*_table(comparison), *_pairs(comparison), Sentences([*_sentences(comparison)])]
+
+
+def _table(comparison: Comparison) -> list[Part]:
     summaries = comparison.summaries
     failed = {number for number, one in enumerate(summaries) if one.failed.any()}
+    return [Table(_COLUMNS, [_cells(one) for one in summaries], "Estimators", failed), Sentences([_HEAD])]
+
+
+def _pairs(comparison: Comparison) -> list[Part]:
+    """Ratios of the errors of each two estimators: a sentence of two estimators, a matrix of more."""
+    found = comparison.differences
+    if len(found) <= 1:
+        return [Sentences([f"{pair.sentence(first.name, second.name)}." for first, second, pair in found])]
+    cells = {(first.name, second.name): _ratio(pair) for first, second, pair in found}
+    names = [one.name for one in comparison.summaries]
+    runs = sorted({pair.runs for _, _, pair in found})
+    many = counted(len(found), "pair")
+    few = f", {runs[0]} where one has a grid" if len(runs) > 1 else ""
+    lost = " A run without an answer counts as 180°." * any(one.failed.any() for one in comparison.summaries)
+    least = found[0][2].fewest
+    short = f" At least {least} runs are needed for {many}." if runs[0] < least else ""
     return [
-        Table(_COLUMNS, [_cells(one) for one in summaries], "Estimators", failed),
-        Sentences([_HEAD]),
-        Sentences([*_sentences(comparison)]),
+        Table(
+            ("", *names[1:]),
+            [(row, *(cells.get((row, column), "") for column in names[1:])) for row in names[:-1]],
+            "Errors of the row divided by those of the column",
+        ),
+        Sentences(
+            [
+                f"By pairs over {runs[-1]} runs{few}, with intervals that hold together at 95 % for {many} (signed "
+                f"ranks, Holm). not shown (f): so many runs would show a factor of f.{lost}{short}"
+            ]
+        ),
     ]
+
+
+def _ratio(pair: Difference) -> str:
+    """Cell of a pair in the matrix."""
+    if pair.is_shown:
+        return f"{pair.ratio:.3g}" + (f" ({pair.low:.3g} to {pair.high:.3g})" if pair.low else "")
+    return f"not shown ({pair.factor:.3g})" if pair.low else "not shown"
 
 
 def _cells(one: EstimatorSummary) -> list[str]:
@@ -85,7 +119,7 @@ def _cells(one: EstimatorSummary) -> list[str]:
     return [
         one.name,
         *(
-            " ".join(_number(one.quantile(column, share), unit) for share in (0.5, 0.95)).strip()
+            _two(*(_number(one.quantile(column, share), unit) for share in (0.5, 0.95)))
             for column, unit in _PAIRS.items()
         ),
         _number(one.quantile("nees_mean", 0.5)),
@@ -95,61 +129,116 @@ def _cells(one: EstimatorSummary) -> list[str]:
     ]
 
 
+def _two(median: str, larger: str) -> str:
+    """Median and 95 % of a score in one cell."""
+    return f"{median} ({larger})" if median and median != larger else median
+
+
 def _number(value: float, unit: str = "") -> str:
     return "" if np.isnan(value) else "never" if np.isinf(value) else f"{value:.3g}{unit}"
 
 
 def _sentences(comparison: Comparison) -> Iterator[str]:
-    for first, second, difference in comparison.differences:
-        left_out = (
-            f"; {counted(difference.left_out, 'run')} left out, in which one failed" if difference.left_out else ""
-        )
-        yield f"{difference.sentence(first.name, second.name)}{left_out}."
     for one in comparison.summaries:
         if one.points:
-            point = json.dumps(one.entry.parameters)
-            points = counted(len(one.points), "point")
-            if not all(np.isnan(each.mean_deg) for each in one.points):
-                yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
-                yield from _at_the_edge(one)
-            if lost := [each for each in one.points if each.failures]:
-                yield f"{one.name}: {len(lost)} of {points} failed in runs of even number, first: {lost[0].reason}"
+            yield from _of_grid(one)
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
         verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
         yield from (f"{one.name}{what}: {v.message}. {v.covered}." for what, v in verdicts.items() if v)
-    if best := comparison.best:
-        left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
-        errors = [(one.name, one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.summaries]
-        larger = ", ".join(f"{name} {_number(error / best.rms_deg)}" for name, error in errors)
-        yield f"{left}. In that run the errors are so many times as large: {larger}."
+    if bound := comparison.bound:
+        errors = [(one.name, one.scores["total_rms_deg"][one.runs == bound.run][0]) for one in comparison.summaries]
+        larger = ", ".join(f"{name} {_number(error / bound.rms_deg)}" for name, error in errors)
+        yield (
+            f"Run {bound.run}: the {WITHOUT_DYNAMICS} is {_number(bound.rms_deg)}° on average over such runs. "
+            f"Errors relative to it: {larger}."
+        )
     if comparison.has_covariances and not comparison.independent:
-        yield "Nothing is said of the covariances: runs have the same noise; draw sensor_seed by run."
+        yield "Covariances are not judged: some runs have the same noise; draw sensor_seed by run."
     elif comparison.has_covariances and any(one.covariance for one in comparison.summaries):
         if names := comparison.fixed_constants:
             what = f"{listed(names)} {'is' if len(names) == 1 else 'are'} the same in every run"
-            remedy = "vary what a filter counts as unknown"
-            yield f"The verdicts on covariances hold for these very sensors: {what}; {remedy}."
+            yield f"Verdicts on covariances hold for these sensors only: {what}; vary what a filter counts as unknown."
     elif comparison.has_covariances:
-        yield f"Nothing is said of the covariances: {MIN_RUNS} runs that have one are needed, outside of grids."
+        yield f"Covariances are not judged: {MIN_RUNS} runs that have one are needed, outside of grids."
+
+
+def _of_grid(one: EstimatorSummary) -> Iterator[str]:
+    """Sentences on the points of a grid: which is best, whether that is shown, and which failed."""
+    points = counted(len(one.points), "point")
+    others = [point.difference for point in one.points if point.difference]
+    if not all(np.isnan(each.mean_deg) for each in one.points):
+        shown = sum(each.is_shown for each in others)
+        best = f"{json.dumps(one.entry.parameters)} has the least mean error of {points} in the runs of even number"
+        than = f"shown to be better than {shown} of the others" if shown else "no point is shown to be better"
+        yield f"{one.name}: {best}; {than}; it is scored on the odd ones."
+        yield from _at_the_edge(one)
+    if lost := [each for each in one.points if each.failures]:
+        yield f"{one.name}: {len(lost)} of {points} failed in runs of even number, first: {lost[0].reason}"
 
 
 def _at_the_edge(one: EstimatorSummary) -> Iterator[str]:
-    """A hint for each parameter whose best value is the smallest or the largest that was tried."""
+    """A hint for each parameter whose best value is the first or the last, and shown to be better than the next."""
+    best = one.entry.parameters
     for name, values in one.entry.grid.items():
-        best = one.entry.parameters[name]
-        if len({*map(str, values)}) > 1 and _are_numbers(values):
-            for end, further in ((min(values), "smaller"), (max(values), "larger")):
-                if best == end:
-                    yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
+        if not _are_numbers(values):
+            continue
+        ranked = sorted(set(values))
+        for end, following, further in ((ranked[0], ranked[1:2], "smaller"), (ranked[-1], ranked[-2:-1], "larger")):
+            inward = {**best, name: following[0]} if following else None
+            next_one = next((point.difference for point in one.points if point.parameters == inward), None)
+            if best[name] == end and next_one and next_one.is_shown:
+                yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {end:g}."
 
 
-def _figures(comparison: Comparison, shown: Sequence[tuple[EstimatorSummary, str]], varied: Varied) -> Iterator[str]:
+def _errors_over_time(comparison: Comparison, shown: Sequence[tuple[EstimatorSummary, str]]) -> Iterator[str]:
     curves = [trace for one, colour in shown if len(one.curve_deg) for trace in _band(comparison.t_s, one, colour)]
-    if curves:
-        errors = np.concatenate([trace["y"] for trace in curves])
-        content = drawn(curves, xaxis=axis("time, s"), yaxis=_scale("total error, °", errors))
-        yield figure("Error over time", content, "Median over the runs; between the thin lines are 90 % of the runs.")
+    if not curves:
+        return
+    caption = "Median over the runs; between the thin lines are 90 % of the runs."
+    if bound := comparison.bound:
+        points = np.column_stack([comparison.t_s, bound.curve_deg])
+        curves.append(line(points, f"bound, run {bound.run}", "black", 1.5, line={"dash": "dash", "color": "black"}))
+        caption += f" Dashed: the {WITHOUT_DYNAMICS}, of run {bound.run}."
+    errors = np.concatenate([trace["y"] for trace in curves])
+    content = drawn(curves, xaxis=axis("time, s"), yaxis=_scale("total error, °", errors))
+    yield figure("Error over time", content, caption)
+
+
+def _nees_over_time(shown: Sequence[tuple[EstimatorSummary, str]]) -> Iterator[str]:
+    judged = [(one, colour, one.covariance) for one, colour in shown if one.covariance]
+    if not judged:
+        return
+    traces = [line(np.array(found.over_time), one.name, colour, 2.0) for one, colour, found in judged]
+    ends = np.array(judged[0][2].over_time)[[0, -1]]
+    ends[:, 1] = judged[0][2].dimension
+    traces.append(line(ends, "expected", "black", 1.5, line={"dash": "dash", "color": "black"}))
+    content = drawn(
+        traces, xaxis=axis("time, s"), yaxis=logarithmic("NEES", np.concatenate([trace["y"] for trace in traces]))
+    )
+    yield figure(
+        "Covariance over time",
+        content,
+        "Mean NEES over the runs; above the dashed line errors are larger than the covariance says.",
+    )
+
+
+def _worst_runs(campaign: Campaign, comparison: Comparison) -> Table:
+    """The worst runs of every estimator, each once, with the errors of all and the command that makes it again."""
+    runs = sorted({run for one in comparison.summaries for run in one.worst(3)})
+    totals = [dict(zip(one.runs.tolist(), one.scores["total_rms_deg"], strict=True)) for one in comparison.summaries]
+    rows = [
+        (
+            str(run),
+            *("" if run not in total else _number(total[run], "°") or "no answer" for total in totals),
+            _command(campaign, run),
+        )
+        for run in runs
+    ]
+    return Table(("run", *(one.name for one in comparison.summaries), "command"), rows, "Worst runs")
+
+
+def _figures(shown: Sequence[tuple[EstimatorSummary, str]], varied: Varied) -> Iterator[str]:
     yield from (_grid(one, colour) for one, colour in shown if one.points)
     for name in next(iter(varied.values()), {}):
         values = {run: parameters[name] for run, parameters in varied.items()}

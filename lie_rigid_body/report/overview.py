@@ -213,7 +213,6 @@ def page(
     headings: Sequence[str],
     rows: Sequence[VerdictRow],
     more: Sequence[str] = (),
-    first: Sequence[str] = (),
 ) -> bytes:
     """Make the page of rows.
 
@@ -228,8 +227,6 @@ def page(
         At least one.
     more : sequence of str, optional
         HTML at the end.
-    first : sequence of str, optional
-        HTML before the residuals.
 
     Returns
     -------
@@ -245,7 +242,7 @@ def page(
     parts: list[Part] = [
         Conclusion([f"{len(accuracies)} of {len(rows)} {what} CERTIFIED"], passed),
         Sentences([within] if accuracies else []),
-        Picture(lambda: "".join([*first, *_distributions(what, rows), *more])),
+        Picture(lambda: "".join([*_distributions(what, rows), *more])),
         Sentences([f"Of {len(rows)} {what} these {MAX_ROWS} are the worst."] if len(rows) > MAX_ROWS else []),
         Table(
             (headings[0], "", *headings[1:], "worst law", "of limit", "attitude, rad"),

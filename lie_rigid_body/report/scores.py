@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
-from itertools import combinations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
@@ -13,7 +12,6 @@ import numpy as np
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, Score
 from lie_rigid_body.evaluation.statistics import MIN_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
@@ -84,7 +82,6 @@ def parts_of_several(scored: Scored) -> list[Part]:
             [_cells(*each) for each in scored],
             marked={number for number, (_, score) in enumerate(scored) if not score.passed},
         ),
-        Sentences([f"{difference.sentence(*names)}." for names, difference in differences(scored)]),
         Picture(lambda: html_page.picture(lambda width: curves("", scored, width))),
         Sentences([f"{_SOURCE}; RMS and 95 % of the total error, degrees."]),
         *(_findings(score, f"Findings of {read.track.topic}") for read, score in scored if score.findings),
@@ -182,14 +179,6 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
         yield "remark", "nearer than noise allows: it has seen the truth, or the noise is not as declared"
 
 
-def differences(scored: Scored) -> Iterator[tuple[tuple[str, str], Difference]]:
-    """Differences of the RMS of the total error, degrees, of every pair at the stamps that both have, by the topics."""
-    for (first, left), (second, right) in combinations(scored, 2):
-        _, of_left, of_right = np.intersect1d(left.stamps_ns, right.stamps_ns, return_indices=True)
-        difference = of_run(np.degrees(left.error.total[of_left]), np.degrees(right.error.total[of_right]))
-        yield (first.track.topic, second.track.topic), difference
-
-
 def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
     """JSON-serialisable data of a score, with its source."""
     return {
@@ -203,20 +192,9 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
 
 
 def json_of_several(bag: str, scored: Scored, *, series: bool) -> dict[str, object]:
-    """Data of several scores and of the differences of each pair, for JSON; an interval may be infinite."""
+    """Data of several scores, for JSON."""
     return {
         "estimates": [as_json(bag, *each, series=series) for each in scored],
-        "differences": [
-            {
-                "first": first,
-                "second": second,
-                "value_deg": difference.value,
-                "low_deg": difference.low,
-                "high_deg": difference.high,
-                "sentence": difference.sentence("the first", "the second"),
-            }
-            for (first, second), difference in differences(scored)
-        ],
         "passed": all(score.passed for _, score in scored),
     }
 

@@ -42,25 +42,13 @@ def rms(errors):
     return float(np.sqrt(np.mean(errors**2)))
 
 
-def test_each_has_its_score_and_each_pair_its_difference(several, capsys):
+def test_each_has_its_score_and_one_run_has_no_difference(several, capsys):
     bag, errors = several
     content = scored(capsys, bag, *(word for name in errors for word in ("--estimate", name)))
     assert [each["topic"] for each in content["estimates"]] == list(errors)
     assert [each["total_deg"]["rms"] for each in content["estimates"]] == pytest.approx([*map(rms, errors.values())])
-    assert [(pair["first"], pair["second"]) for pair in content["differences"]] == [
-        ("/good", "/poor"),
-        ("/good", "/alike"),
-        ("/poor", "/alike"),
-    ]
+    assert {*content} == {"estimates", "passed"}
     assert content["passed"] is True
-    worse, alike, better = content["differences"]
-    assert worse["value_deg"] == pytest.approx(rms(errors["/good"]) - rms(errors["/poor"]))
-    assert worse["low_deg"] < worse["value_deg"] < worse["high_deg"] < 0.0
-    # of white errors, by the delta method: the variances of the two mean squares over the squares of twice their roots
-    spread = np.sqrt(sum(np.var(e**2) / len(e) / (4 * np.mean(e**2)) for e in (errors["/good"], errors["/poor"])))
-    assert worse["high_deg"] - worse["low_deg"] == pytest.approx(2 * 1.96 * spread, rel=0.25)
-    assert alike["low_deg"] < 0.0 < alike["high_deg"]
-    assert better["low_deg"] > 0.0
 
 
 def test_a_limit_is_held_by_each(several, capsys):
@@ -71,12 +59,6 @@ def test_a_limit_is_held_by_each(several, capsys):
     assert content["passed"] is False
     assert main([str(bag), *both, "--max-rms", "1.5deg"]) == 1
     assert f"{rms(errors['/poor']):.4g}°" in capsys.readouterr().out
-
-
-def test_estimates_without_a_common_stamp_have_no_interval(several, capsys):
-    content = scored(capsys, several[0], "--estimate", "/good", "--estimate", "/elsewhere")
-    (pair,) = content["differences"]
-    assert (pair["low_deg"], pair["high_deg"]) == (None, None)
 
 
 @pytest.mark.slow

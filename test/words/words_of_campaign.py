@@ -6,17 +6,21 @@ from __future__ import annotations
 import argparse
 import math
 import os
+from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
 from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.comparison import Point
 from lie_rigid_body.campaign.definition import EstimatorSpec
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.results import Results
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign_runs
+from lie_rigid_body.evaluation.differences import of_pairs, of_runs
 from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.report import campaign_scores
 
@@ -215,19 +219,35 @@ def summary(**given):
 
 def compared(**given):
     """What is told below the table of estimators that are compared."""
-    nothing = {"differences": (), "summaries": (), "best": None, "has_covariances": False, "independent": True}
+    nothing = {"differences": (), "summaries": (), "bound": None, "has_covariances": False, "independent": True}
     return "\n".join(campaign_scores._sentences(SimpleNamespace(**{**nothing, **given})))
 
 
 HONEST = SimpleNamespace(message="it is honest", covered="95 % are below it")
 POINTS = [
-    SimpleNamespace(mean_deg=1.0, failures=0, reason=""),
-    SimpleNamespace(mean_deg=2.0, failures=2, reason="x"),
+    Point({"gain": 1.0}, 1.0, 0, ""),
+    Point({"gain": 0.1}, 2.0, 2, "x", of_runs(np.linspace(1.0, 1.2, 9), np.full(9, 2.0))),
 ]
+ALIKE = [POINTS[0], replace(POINTS[1], difference=of_runs(np.linspace(1.0, 1.2, 9), np.full(9, 1.1)), failures=0)]
 BEST = SimpleNamespace(run=3, rms_deg=0.5)
+
+
+def pairs(names, runs, failed=False):
+    """What is said beside the matrix of the pairs of some names."""
+    summaries = [SimpleNamespace(name=name, failed=np.array([failed])) for name in names]
+    found = of_pairs([(np.ones(runs), np.ones(runs))] * (len(names) * (len(names) - 1) // 2))
+    differences = [(*pair, one) for pair, one in zip(combinations(summaries, 2), found, strict=True)]
+    *_, last = campaign_scores._pairs(SimpleNamespace(summaries=summaries, differences=differences))
+    return "\n".join(last.lines)
+
+
 TWICE = {"total_rms_deg": np.full(4, 2.0)}
 SAID = [
     lambda: compared(summaries=[summary(points=POINTS)]),
-    lambda: compared(best=BEST, summaries=[summary(scores=TWICE)]),
+    lambda: compared(summaries=[summary(points=ALIKE)]),
+    lambda: pairs("ab", 9),
+    lambda: pairs("abc", 9, failed=True),
+    lambda: pairs("abcd", 7),
+    lambda: compared(bound=BEST, summaries=[summary(scores=TWICE)]),
     lambda: compared(has_covariances=True, summaries=[summary(covariance=HONEST)], fixed_constants=["gyro_scale"]),
 ]
