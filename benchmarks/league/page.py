@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from league.contender import Filter
 from league.tournament import Result, by_filter
 from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, REAL, Case, readings_hash, run_of
-from lie_rigid_body.league.table import MIN_DEG, CaseResult, FilterRow, LeagueTable, angle, is_of
+from lie_rigid_body.league.table import BOUND, MIN_DEG, CaseResult, FilterRow, LeagueTable, angle, is_of
 from lie_rigid_body.sensors import PERFECT
 
 BEGIN: Final = "<!-- begin of the league -->"
@@ -23,7 +23,6 @@ BLURRED: Final = 5.0
 """With perfect sensors a filter errs by no more than this, degrees, or its wiring is in doubt."""
 DIGITS: Final = 10
 """Decimals of a number in the file: what is smaller is round-off, which is another on other machines."""
-BEST_POSSIBLE: Final = "best possible"
 
 Ranking = Sequence[tuple[Filter, list[Result], list[Result]]]
 
@@ -73,12 +72,12 @@ def table(rows: Ranking, bounds: Mapping[str, float]) -> str:
         columns.append(f"{cost:.2g}" if cost < 10.0 else f"{cost:.0f}")
         lines.append(columns)
     floor = [angle(each) for each in floors(bounds)]
-    lines.append([f"**{BEST_POSSIBLE}**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
+    lines.append([f"**{BOUND}**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def floors(bounds: Mapping[str, float]) -> list[float]:
-    """Medians of the unavoidable errors with each grade of real sensors, degrees."""
+    """Medians of the bounds with each grade of real sensors, degrees."""
     return [float(np.median([bounds[str(case)] for case in CASES if is_of(case, grade)])) for grade in REAL]
 
 
@@ -113,7 +112,7 @@ def heat_map(rows: Ranking, bounds: Mapping[str, float]) -> Figure:
     shown += [Case("slow_tumble", "mems", fault) for fault in FAULTS]
     numbers = [[{r.case: r.total for r in tuned}[case] for case in shown] for _, _, tuned in rows]
     numbers.append([0.0 if case.grade == PERFECT else bounds.get(str(case), np.nan) for case in shown])
-    names = [each.full_name for each, _, _ in rows] + [BEST_POSSIBLE]
+    names = [each.full_name for each, _, _ in rows] + [BOUND]
     figure = Figure(figsize=(0.42 * len(shown) + 4.0, 0.27 * len(names) + 2.6), dpi=110, layout="constrained")
     axes = figure.subplots()
     image = axes.imshow(np.maximum(numbers, 1e-3), norm=LogNorm(1e-3, 180.0), cmap="viridis_r", aspect="auto")
@@ -156,10 +155,10 @@ def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> 
     """What differs between two tables: readings, rows, versions, and errors and bounds by more than a share."""
     old, new = ({row.name: row for row in table.rows} for table in (before, after))
     lines = [f"{case}: other readings" for case in CASES if before.readings[str(case)] != after.readings[str(case)]]
-    for case, now in after.best_possible_deg.items():
-        was = before.best_possible_deg.get(case, 0.0)
+    for case, now in after.bound_deg.items():
+        was = before.bound_deg.get(case, 0.0)
         if abs(now - was) > tolerance * max(was, MIN_DEG):
-            lines.append(f"best possible, {case}: {was:.4g}° is {now:.4g}° now")
+            lines.append(f"{BOUND}, {case}: {was:.4g}° is {now:.4g}° now")
     lines += [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
     for name in sorted(old.keys() & new.keys()):
         if old[name].version != new[name].version:

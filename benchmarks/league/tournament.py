@@ -73,7 +73,7 @@ def score(number: int, case: Case, setting: Setting, seed: int = SEED) -> Result
 
 
 def bound(case: Case) -> float | None:
-    """The unavoidable error of a case, degrees."""
+    """The Cramér–Rao bound of a case, degrees."""
     found = run_of(case).cramer_rao_bound()
     if found is None:
         return None

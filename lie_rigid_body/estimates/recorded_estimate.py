@@ -95,7 +95,7 @@ class RecordedEstimate:
         due_ns : int, optional
             Stamp until which there should be estimates, ns; by default the end of the truth.
         bounded : bool, optional
-            Whether the best that the sensors' noise allows is told as well.
+            Whether the Cramér–Rao bound is computed as well.
         """
         track = self.track
         last_ns = int(track.stamps_ns.max()) if bounded else None

@@ -1,6 +1,6 @@
 """The Cramér–Rao bound of the attitude's error along the true motion, by the noise of the sensors.
 
-An estimator that reads a gyro and known directions (gravity, the magnetic field) and knows nothing of the body has the
+An estimator that reads a gyro and known directions (gravity, the magnetic field) and does not know the dynamics has the
 error state x = (δ, β, ..., θ). The attitude's error δ is a rotation vector on the body's axes, R̂ = R exp(δ). Then come
 the gyro's bias, and a bias of each other sensor that has one. The constants θ are those that the estimator does not
 know: scale, mounting and soft iron add Σ θ_i L_i x to the reading of a vector x. Linearised at the true motion and at
@@ -10,10 +10,19 @@ sensors without them,
     y_k = −[Rᵀv]× δ_k + a_k + Σ θ_i L_i Rᵀv + m_k
 
 with the right Jacobian J_r at hω, known variances of the noises n, w and m, and the reading y of a world vector v. For
-Gaussian noise the covariances of the Kalman filter of this system are the posterior Cramér–Rao bound of every filter
-that uses readings up to a time. Those of its smoother are the bound of every estimator that uses all of them. An
-estimator that knows the constants has the conditional covariance, given θ. All hold as far as the error is small enough
-for the linearisation.
+Gaussian noise the covariances of the Kalman filter of this system are the posterior Cramér–Rao bound of every such
+filter that uses readings up to a time. Those of its smoother are the bound of every such estimator that uses all of
+them. An estimator that knows the constants has the conditional covariance, given θ. All hold as far as the error is
+small enough for the linearisation.
+
+An estimator that knows the inertia J and Euler's equations has a smaller bound. Its state is (δ, β, ..., ℓ), with the
+error ℓ of the angular momentum in the world, which is constant; the gyro's readings are measurements as others are.
+With the momentum L, m = RᵀL and ε = Rδ,
+
+    ε' = R J⁻¹ Rᵀ (L × ε + ℓ)
+    error of the body rate = J⁻¹ (m × δ + Rᵀℓ)
+
+are the kinematics and Euler's equations, linearised at the true motion. There is no noise but that of the biases.
 
 References
 ----------
@@ -23,12 +32,14 @@ Transactions on Signal Processing 46 (1998) 1386.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import field
+from collections.abc import Callable, Sequence
+from dataclasses import field, replace
+from functools import reduce
 from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.evaluation.attitudes import relative_rotations
 from lie_rigid_body.evaluation.consistency import factor_of
@@ -51,6 +62,12 @@ AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
 """Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
 UNSEEN: Final = 0.25
 """Variance of the attitude about an axis, rad², from which on no reading tells anything about that axis."""
+UNKNOWN_RATE: Final = 100.0
+"""Standard deviation of a body rate of which nothing is known, rad/s."""
+MAX_TURN: Final = 0.1
+"""Largest turn of the body in a step of the linearised Euler equations, rad, which then err by 1e-7 a step."""
+JOINT: Final = 60
+"""Number of stamps at which the smoothed errors of a dynamic bound are known together."""
 
 
 class BiasNoise(NamedTuple):
@@ -110,8 +127,24 @@ class AttitudeReadings:
 
 
 @short_dataclass(frozen=True, eq=False)
+class TorqueFreeMotion:
+    """Motion at which Euler's equations are linearised.
+
+    Parameters
+    ----------
+    inertia : ndarray, shape (3, 3)
+        In the body; its unit does not matter.
+    states_at : callable
+        Gives the attitudes world-from-body, shape (N, 4), and the body rates, rad/s, shape (N, 3), at stamps, ns.
+    """
+
+    inertia: Array
+    states_at: Callable[[Integers], tuple[Array, Array]]
+
+
+@short_dataclass(frozen=True, eq=False)
 class CramerRaoBound:
-    """Bounds of the attitude's error at each sample, for estimators that do not know the constants of the sensors.
+    """Bounds of the attitude's error at each sample, for estimators that do not know the dynamics.
 
     Parameters
     ----------
@@ -125,7 +158,13 @@ class CramerRaoBound:
     unobserved : str
         What no reading tells, in words: ``the attitude``, or ``a turn about the vertical``. Empty if all is told.
     calibrated : CramerRaoBound or None
-        Bounds for estimators that know the constants; None where there are none.
+        Bounds for estimators that know the constants of the sensors; None where there are none.
+    dynamic : CramerRaoBound or None
+        Bounds for estimators that know the constants, the inertia and Euler's equations, at stamps of their own.
+    joint_ns : ndarray of int64, shape (A,)
+        Some of the stamps, of a dynamic bound.
+    joint : ndarray, shape (3 A, 3 A)
+        Covariance of the smoothed errors at these stamps together, rad².
     """
 
     filtered: Array
@@ -134,11 +173,36 @@ class CramerRaoBound:
     stamps_ns: Integers
     unobserved: str = ""
     calibrated: CramerRaoBound | None = None
+    dynamic: CramerRaoBound | None = None
+    joint_ns: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    joint: Array = field(default_factory=lambda: np.empty((0, 0)))
 
     @staticmethod
     def rms(covariance: Array) -> float:
         """Root mean square of the total angle over all samples, rad; at most that of a guess, 2.3 rad."""
         return float(np.sqrt(np.mean(mean_square(covariance))))
+
+    def is_below(self, stamps_ns: Integers, square: float, probability: float) -> bool:
+        """Whether a mean square error, rad², at these stamps is below the point of this probability at the bound.
+
+        The sum of the squares is Σ λ χ², with the eigenvalues λ of the joint covariance. Its distribution function is
+        the saddlepoint approximation of R. Lugannani and S. Rice (Advances in Applied Probability 12:475, 1980). False
+        of a bound without a joint covariance.
+        """
+        inside = np.flatnonzero((self.joint_ns >= stamps_ns[0]) & (self.joint_ns <= stamps_ns[-1]))
+        if self.unobserved or not len(inside):
+            return False
+        rows = (3 * inside[:, np.newaxis] + np.arange(3)).reshape(-1)
+        sizes = np.linalg.eigvalsh(self.joint[np.ix_(rows, rows)] / len(inside)).clip(0.0)
+        if not 0.0 < square < sizes.sum():
+            return bool(square == 0.0)
+        u = scipy.optimize.brentq(
+            lambda u: np.sum(sizes / (1.0 + 2.0 * u * sizes)) - square, 0.0, 0.5 * len(sizes) / square
+        )
+        w = -np.sqrt(np.log1p(2.0 * u * sizes).sum() - 2.0 * u * square)
+        v = -u * np.sqrt(2.0 * np.sum((sizes / (1.0 + 2.0 * u * sizes)) ** 2))
+        of_normal = scipy.stats.norm
+        return bool(of_normal.cdf(w) + of_normal.pdf(w) * (1.0 / w - 1.0 / v) < probability)
 
 
 def mean_square(covariance: Array) -> Array:
@@ -158,7 +222,7 @@ def cramer_rao_bound(
     gyro_readings: Array | None = None,
     gyro_linear_errors: Array | None = None,
 ) -> CramerRaoBound:
-    """Bound the errors of every estimator that reads a gyro at each sample, and vectors at some.
+    """Bound the errors of every estimator without dynamics that reads a gyro at each sample, and vectors at some.
 
     Parameters
     ----------
@@ -197,20 +261,131 @@ def cramer_rao_bound(
     )
     for name, sensor in (("gyro", gyro), *(("vector", each) for each in vectors)):
         _require_noise(name, sensor.noise / float(norm(sensor.vector)))
-    F, Q, H, deviations, constants = _system(stamps_ns, truth_xyzw, initial, readings, gyro, vectors, attitudes)
-    found = covariances(F, Q, H, deviations)
+    *system, constants = _system(stamps_ns, truth_xyzw, initial, readings, gyro, vectors, attitudes)
+    found = covariances(*_determined(*system))[:3]
+    whole = _bound(stamps_ns, truth_xyzw, found, readings, gyro_bias, initial)
+    if not constants:
+        return whole
+    given = [_given(P, constants) for P in found]
+    return replace(whole, calibrated=_bound(stamps_ns, truth_xyzw, given, readings, gyro_bias, initial))
+
+
+def dynamic_bound(
+    stamps_ns: Integers,
+    motion: TorqueFreeMotion,
+    *,
+    gyro_noise: float,
+    gyro_bias: BiasNoise = NO_BIAS,
+    vectors: Sequence[VectorReadings] = (),
+    attitudes: Sequence[AttitudeReadings] = (),
+    initial: float = np.pi,
+    gyro_readings: Array | None = None,
+) -> CramerRaoBound:
+    """Bound the errors of every estimator that reads the same, and knows the inertia and Euler's equations.
+
+    Linear errors of the sensors are known. Other parameters are as of `cramer_rao_bound`.
+
+    Raises
+    ------
+    InputError
+        As `cramer_rao_bound`.
+    """
+    readings = np.ones(len(stamps_ns)) if gyro_readings is None else gyro_readings
+    none = np.zeros((0, 3, 3))
+    gyro = VectorReadings(stamps_ns, np.array([1.0, 0.0, 0.0]), gyro_noise, gyro_bias, none)
+    known = [replace(each, linear_errors=none) for each in vectors]
+    truth, rate = motion.states_at(stamps_ns)
+    F, Q, H, deviations, _ = _system(stamps_ns, truth, initial, readings, gyro, known, attitudes)
+    n = F.shape[-1]
+    momentum = slice(n, n + 3)
+    F, Q = (np.pad(each, ((0, 0), (0, 3), (0, 3))) for each in (F, Q))
+    H = np.pad(H, ((0, 0), (0, 3), (0, 3)))
+    R = quaternion.to_matrix(truth)
+    inertia = motion.inertia / np.trace(motion.inertia)
+    across = so3.hat(rate @ inertia)
+    into = np.linalg.solve(inertia, np.swapaxes(R, 1, 2))
+    F[:, :3] = 0.0
+    F[:, momentum, momentum] = np.eye(3)
+    from_world = np.swapaxes(R[1:], 1, 2) @ _flow(stamps_ns, motion, inertia)
+    F[1:, :3, :3] = from_world[..., :3] @ R[:-1]
+    F[1:, :3, momentum] = from_world[..., 3:]
+    # the state before the first sample has the rate in the place of the momentum
+    F[0, :3, :3] = np.eye(3)
+    F[0, momentum, :3] = -R[0] @ across[0]
+    F[0, momentum, momentum] = R[0] @ inertia
+    Q[:, :3] = 0.0
+    Q[:, :, :3] = 0.0
+    weight = (np.sqrt(readings) / gyro_noise)[:, np.newaxis, np.newaxis]
+    H[:, -3:, :3] = weight * np.linalg.solve(inertia, across)
+    H[:, -3:, 3:6] = weight * np.eye(3)
+    H[:, -3:, momentum] = weight * into
+    found = covariances(*_determined(F, Q, H, np.append(deviations, [UNKNOWN_RATE] * 3)))
+    bound = _bound(stamps_ns, truth, found[:3], readings, gyro_bias, initial)
+    joint_ns, joint = _joint(stamps_ns, *found[2:])
+    return replace(bound, joint_ns=joint_ns, joint=joint)
+
+
+def _bound(
+    stamps_ns: Integers,
+    truth_xyzw: Array,
+    found: Sequence[Array],
+    readings: Array,
+    gyro_bias: BiasNoise,
+    initial: float,
+) -> CramerRaoBound:
+    """Bounds by the covariances of states before and after each update, and by all readings."""
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
     share = (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis]
+    predicted, updated, smoothed = found
+    filtered = updated + share * (predicted - updated)
+    bias = filtered[:, 3:6, 3:6] if any(gyro_bias) else np.zeros((len(stamps_ns), 3, 3))
     R = quaternion.to_matrix(truth_xyzw[-1])
+    unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
+    return CramerRaoBound(filtered[:, :3, :3], smoothed[:, :3, :3], bias, stamps_ns, unobserved)
 
-    def bound(found: Sequence[Array], calibrated: CramerRaoBound | None = None) -> CramerRaoBound:
-        predicted, updated, smoothed = found
-        filtered = updated + share * (predicted - updated)
-        bias = filtered[:, 3:6, 3:6] if any(gyro_bias) else np.zeros((len(stamps_ns), 3, 3))
-        unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
-        return CramerRaoBound(filtered[:, :3, :3], smoothed[:, :3, :3], bias, stamps_ns, unobserved, calibrated)
 
-    return bound(found, bound([_given(P, constants) for P in found]) if constants else None)
+def _flow(stamps_ns: Integers, motion: TorqueFreeMotion, inertia: Array) -> Array:
+    """Error ε in the world at each stamp but the first by ε and ℓ at the one before, shape (N − 1, 3, 6).
+
+    Steps of Runge and Kutta's method of fourth order, in which the body turns by `MAX_TURN` at most.
+    """
+    steps = np.diff(stamps_ns)
+    fastest = float(norm(motion.states_at(stamps_ns)[1]).max())
+    count = max(1, int(np.ceil(fastest * float(steps.max(initial=0)) / 1e9 / MAX_TURN)))
+    h = (steps / 1e9 / count)[:, np.newaxis, np.newaxis]
+    forced = np.eye(3, 6, 3)
+    X = np.tile(np.eye(3, 6), (len(steps), 1, 1))
+
+    def equations(part: float) -> tuple[Array, Array]:
+        attitude, rate = motion.states_at(stamps_ns[:-1] + np.rint(steps * (part / count)).astype(np.int64))
+        R = quaternion.to_matrix(attitude)
+        return R @ np.linalg.solve(inertia, np.swapaxes(R, 1, 2)), so3.hat(quaternion.rotate(attitude, rate @ inertia))
+
+    after = equations(0.0)
+    for step in range(count):
+        before, (W, L), after = after, equations(step + 0.5), equations(step + 1.0)
+        k1 = before[0] @ (before[1] @ X + forced)
+        k2 = W @ (L @ (X + 0.5 * h * k1) + forced)
+        k3 = W @ (L @ (X + 0.5 * h * k2) + forced)
+        k4 = after[0] @ (after[1] @ (X + h * k3) + forced)
+        X = X + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return X
+
+
+def _joint(stamps_ns: Integers, smoothed: Array, gains: Array) -> tuple[Integers, Array]:
+    """Some of the stamps, even in time, and the covariance of the smoothed errors of the attitude at them together."""
+    even = np.linspace(stamps_ns[0], stamps_ns[-1], JOINT)
+    at = np.unique(np.searchsorted(stamps_ns, even)).tolist()
+    joint = np.zeros((len(at), 3, len(at), 3))
+    between = [reduce(np.matmul, gains[first:last]) for first, last in pairwise(at)]
+    for j, last in enumerate(at):
+        P = smoothed[last]
+        joint[j, :, j] = P[:3, :3]
+        for i in range(j - 1, -1, -1):
+            P = between[i] @ P
+            joint[i, :, j] = P[:3, :3]
+            joint[j, :, i] = P[:3, :3].T
+    return stamps_ns[at], joint.reshape(3 * len(at), -1)
 
 
 def _given(P: Array, constants: int) -> Array:
@@ -253,9 +428,8 @@ def _system(
 ) -> tuple[Array, Array, Array, Array, int]:
     """Transitions, covariances of noise and measurements of the error state, its first deviations, number of constants.
 
-    A bias counts in units of its vector: the numbers are near those of angles, and rounding is small. Biases that are 0
-    for ever are no part of the state. Each linear error of each sensor is a constant: it adds to a turn, or to the
-    readings of a vector.
+    A bias counts in units of its vector: the numbers are near those of angles, and rounding is small. Each linear error
+    of each sensor is a constant: it adds to a turn, or to the readings of a vector.
     """
     sensors = [gyro, *vectors]
     count = len(stamps)
@@ -300,13 +474,13 @@ def _system(
         begin = max(sensor.bias.turn_on, 1e-6 * sensor.bias.step)
         deviations += [begin / float(norm(sensor.vector))] * 3
     first = np.array([*deviations, *[1.0] * (n - begins[0])])
-    H = H.reshape(count, -1, n)
-    if not first.all():
-        kept = np.flatnonzero(first)
-        F = F[:, kept][..., kept]
-        Q = Q[:, kept][..., kept]
-        H = H[..., kept]
-    return F, Q, H, first[first > 0.0], n - begins[0]
+    return F, Q, H.reshape(count, -1, n), first, n - begins[0]
+
+
+def _determined(F: Array, Q: Array, H: Array, first: Array) -> tuple[Array, Array, Array, Array]:
+    """A system without the states that are 0 for ever, whose first deviation is 0."""
+    kept = np.flatnonzero(first)
+    return F[:, kept][..., kept], Q[:, kept][..., kept], H[..., kept], first[kept]
 
 
 def _count(stamps: Integers, readings_ns: Integers) -> Array:

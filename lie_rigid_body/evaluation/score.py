@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+MAX_LUCK: Final = 1e-3
+"""Largest probability of an error that is called smaller than the noise allows."""
 MAX_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
 
@@ -68,21 +69,24 @@ class BiasEstimate:
 
 @short_dataclass(frozen=True, eq=False)
 class BoundComparison:
-    """Bounds of the total error at the samples of a score.
+    """Cramér–Rao bounds of the total error at the samples of a score, for estimators that do not know the dynamics.
 
     Attributes
     ----------
     filtered_deg : ndarray, shape (N,)
-        Root mean square of the total error at best, degrees, from the readings up to each sample. The constants of the
-        sensors (scale, mounting, soft iron) are not known.
+        Bound of the root mean square of the total error, degrees, from the readings up to each sample. The constants of
+        the sensors (scale, mounting, soft iron) are not known.
     filtered, smoothed : Statistics or None
-        Statistics of this, and of the best from all readings, degrees; None where no reading tells the attitude.
+        Statistics of this, and of the bound from all readings, degrees; None where no reading tells the attitude.
     unobserved : str
         What no reading tells; then no bound is of use.
     beaten : bool
-        Whether the estimate is nearer to the truth than the noise allows, even where the constants are known.
+        Whether the error is so small that estimators which know the constants and the dynamics have it in fewer than
+        1 of 1000 runs.
     calibrated : BoundComparison or None
         Bounds for known constants; None where there are no constants.
+    dynamic : BoundComparison or None
+        Bounds for estimators that know the constants, the inertia and Euler's equations.
     """
 
     filtered_deg: Array
@@ -91,30 +95,31 @@ class BoundComparison:
     unobserved: str
     beaten: bool
     calibrated: BoundComparison | None = None
+    dynamic: BoundComparison | None = None
 
     @classmethod
     def of(cls, bound: CramerRaoBound, stamps_ns: Integers, rms_deg: float) -> BoundComparison:
         """Interpolate the bound at stamps, ns, for an estimate whose total error has the given RMS, degrees."""
-        calibrated = None if bound.calibrated is None else cls.of(bound.calibrated, stamps_ns, rms_deg)
+        calibrated, dynamic = (
+            None if part is None else cls.of(part, stamps_ns, rms_deg) for part in (bound.calibrated, bound.dynamic)
+        )
         since, times = (stamps - bound.stamps_ns[0] for stamps in (stamps_ns, bound.stamps_ns))
         filtered, smoothed = (
             np.degrees(np.sqrt(np.interp(since, times, mean_square(part)))) for part in (bound.filtered, bound.smoothed)
         )
-        # errors that do not change, as by constant biases, are small by luck: no more often than those of one sample
-        deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
-        luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
-        beaten = calibrated.beaten if calibrated else not bound.unobserved and luck < 0.01
+        beaten = dynamic.beaten if dynamic else bound.is_below(stamps_ns, np.radians(rms_deg) ** 2, MAX_LUCK)
         of_filtered, of_smoothed = (None if bound.unobserved else Statistics.of(e) for e in (filtered, smoothed))
-        return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated)
+        return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated, dynamic)
 
     def to_json(self) -> dict[str, object]:
-        """JSON-serialisable data: statistics, what is not observed, whether an estimate is nearer than noise allows."""
+        """JSON-serialisable data: statistics, what is not observed, and whether an error is below the bounds."""
         return {
             "filtered_deg": self.filtered and asdict(self.filtered),
             "smoothed_deg": self.smoothed and asdict(self.smoothed),
             "unobserved": self.unobserved,
             "beaten": self.beaten,
             "calibrated": self.calibrated and self.calibrated.to_json(),
+            "dynamic": self.dynamic and self.dynamic.to_json(),
         }
 
 
@@ -150,7 +155,7 @@ class Score(Shown):
     gyro_bias : BiasEstimate or None
         Estimated gyro bias beside the true one, where one was given.
     best : BoundComparison or None
-        Bounds that the sensors' noise sets, where it is known.
+        Cramér–Rao bounds by the sensors' noise, where it is known.
     limits : Limits
         Limits with which the errors were compared.
     of_sensors_deg : float or None
@@ -210,7 +215,7 @@ class Score(Shown):
         return not self.broken
 
     def plot(self, title: str = "attitude estimate") -> Figure:
-        """Figure of Matplotlib: the errors over time, with the limits and the best that the noise allows."""
+        """Figure of Matplotlib: the errors over time, with the limits and the Cramér–Rao bound."""
         figure: Figure = report("scores").draw(title, self)
         return figure
 
@@ -239,7 +244,7 @@ class Score(Shown):
             "truth_uncertainty_deg": self.truth_uncertainty_deg,
             "nees": self.consistency and self.consistency.to_json(),
             "gyro_bias_rad_s": self.gyro_bias_rad_s and asdict(self.gyro_bias_rad_s),
-            "unavoidable": self.best and self.best.to_json(),
+            "cramer_rao_bound": self.best and self.best.to_json(),
             "findings": [asdict(finding) for finding in self.findings],
             "broken": list(self.broken),
             "passed": self.passed,
@@ -250,5 +255,5 @@ class Score(Shown):
     def _columns(self) -> dict[str, Array]:
         angles = {f"{name}_deg": np.degrees(angle) for name, angle in self.error._asdict().items()}
         nees = {"nees": self.consistency.nees} if self.consistency else {}
-        best = {"unavoidable_deg": self.best.filtered_deg} if self.best and not self.best.unobserved else {}
+        best = {"cramer_rao_bound_deg": self.best.filtered_deg} if self.best and not self.best.unobserved else {}
         return {**angles, **nees, **best, **(self.gyro_bias.at(self.stamps_ns) if self.gyro_bias else {})}

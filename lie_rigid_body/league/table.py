@@ -25,6 +25,8 @@ REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
 _ROWS_FILE: Final = "a file that 'league --json' writes"
 _ALWAYS_KNOWN: Final = {"total_deg", "heading_deg", "inclination_deg"}
 """Errors that each case has; the others may be None."""
+BOUND: Final = "Cramér–Rao bound"
+"""Name of the row of the bound."""
 LOST_DEG: Final = 180.0
 """Error of a filter that fails, degrees."""
 MIN_DEG: Final = 1e-9
@@ -157,20 +159,20 @@ class LeagueTable:
         The best first.
     readings : mapping of str to str
         Hash of the readings of each case.
-    best_possible_deg : mapping of str to float
-        RMS error that the sensors leave to the best filter in each case with errors, degrees.
+    bound_deg : mapping of str to float
+        Cramér–Rao bound of the RMS error of filters that do not know the dynamics, in each case with errors, degrees.
     """
 
     rows: tuple[FilterRow, ...]
     readings: Mapping[str, str]
-    best_possible_deg: Mapping[str, float]
+    bound_deg: Mapping[str, float]
 
     @property
-    def best_possible(self) -> FilterRow:
-        """The row of `best_possible_deg`, which is no filter's."""
+    def bound(self) -> FilterRow:
+        """The row of `bound_deg`, which is no filter's."""
         return FilterRow(
-            "best possible",
-            {str(case): CaseResult(self.best_possible_deg.get(str(case), 0.0), 0.0, 0.0) for case in CASES},
+            BOUND,
+            {str(case): CaseResult(self.bound_deg.get(str(case), 0.0), 0.0, 0.0) for case in CASES},
         )
 
     def __repr__(self) -> str:
@@ -222,7 +224,7 @@ def rows_of(path: str | Path) -> list[FilterRow]:
 def reference() -> LeagueTable:
     """The reference set: filters of other libraries at their defaults, and at the best of a grid for each grade."""
     content = json.loads(REFERENCE.read_text(encoding="utf-8"))
-    return LeagueTable((), content["readings"], content["best_possible_deg"]).with_rows(
+    return LeagueTable((), content["readings"], content["bound_deg"]).with_rows(
         map(FilterRow.from_json, content["rows"])
     )
 
@@ -239,7 +241,7 @@ def standing(table: LeagueTable, row: FilterRow) -> str:
     biases = [result.gyro_bias_rms_rad_s for result in row.results.values() if result.gyro_bias_rms_rad_s is not None]
     sentences = (
         f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {angle(row.typical_deg('mems'))}° with MEMS "
-        f"sensors, where {angle(table.best_possible.typical_deg('mems'))}° is the best possible.",
+        f"sensors, where the Cramér–Rao bound without dynamics is {angle(table.bound.typical_deg('mems'))}°.",
         f"It is best at {best} (number {table.place(row, best)}) and worst at {worst} "
         f"(number {table.place(row, worst)}).",
         f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case." if biases else "",

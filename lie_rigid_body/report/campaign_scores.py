@@ -26,6 +26,7 @@ from lie_rigid_body.report.html_page import (
     line,
     logarithmic,
 )
+from lie_rigid_body.report.scores import WITHOUT_DYNAMICS
 from lie_rigid_body.scenario.parameter_file import recording
 
 _COLUMNS: Final = (
@@ -40,7 +41,6 @@ _COLUMNS: Final = (
     "time per reading",
 )
 _HEAD: Final = "Medians over the runs; 95 % of the runs are below the number in brackets."
-WITHOUT_DYNAMICS: Final = "Cramér–Rao bound of filters that do not know the dynamics"
 _PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
 """Scores of which the median and a larger one are told, and their units."""
 

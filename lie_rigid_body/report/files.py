@@ -41,7 +41,7 @@ def _write(
 
 
 def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
+    """Draw the errors over time, with the limits and the Cramér–Rao bound, as a PNG.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
 
 def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> list[Part]:
     """Answer about the place of one's own rows in the league; they are marked."""
-    rows = (*table.rows, table.best_possible)
+    rows = (*table.rows, table.bound)
     marked = {number for number, row in enumerate(rows) if row in own}
     return [
         Sentences([standing(table, row) for row in own]),
@@ -113,7 +113,7 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> list[Part]:
 def _cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
     """Name, rank and errors: the typical ones of each grade and with faults, and the overall one.
 
-    A star marks filters that see later readings; the best possible has no rank.
+    A star marks filters that see later readings; the bound has no rank.
     """
     rank = f"{table.rank(row)}" if row in table.rows else ""
     errors = (*map(row.typical_deg, GRADES), row.typical_deg("mems", faults=True), row.overall_deg)

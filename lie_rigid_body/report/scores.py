@@ -42,6 +42,7 @@ _HEADINGS: Final = (
     "gyro bias",
     "findings",
 )
+WITHOUT_DYNAMICS: Final = "Cramér–Rao bound of filters that do not know the dynamics"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
 SCORE_COLUMNS: Final = 2000
@@ -119,7 +120,7 @@ def _findings(score: Score, heading: str = "Findings") -> Sentences:
 
 
 def tables(score: Score) -> list[Table]:
-    """Statistics of the errors and of the best possible, and what else the score tells."""
+    """Statistics of the errors and of the bounds, and what else the score tells."""
     names = ("rms", "median", "95 %", "largest", "final")
     rows = [
         (name, *(in_degrees(value).removesuffix("°") for value in asdict(found).values()))
@@ -129,17 +130,20 @@ def tables(score: Score) -> list[Table]:
 
 
 def _angles(score: Score) -> Iterator[tuple[str, Statistics]]:
-    """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
+    """Statistics of the three errors by name, and of the Cramér–Rao bounds of the total error, where they are known."""
     best = score.best if score.best and score.best.filtered else None
     calibrated = best and best.calibrated
+    dynamic = best and best.dynamic
     rows = {
         "total": score.total_deg,
         "heading": score.heading_deg,
         "inclination": score.inclination_deg,
-        "best filter": best and best.filtered,
-        "best smoother": best and best.smoothed,
-        "calibrated filter": calibrated and calibrated.filtered,
-        "calibrated smoother": calibrated and calibrated.smoothed,
+        "bound, filter": best and best.filtered,
+        "bound, smoother": best and best.smoothed,
+        "bound, calibrated filter": calibrated and calibrated.filtered,
+        "bound, calibrated smoother": calibrated and calibrated.smoothed,
+        "bound, dynamic filter": dynamic and dynamic.filtered,
+        "bound, dynamic smoother": dynamic and dynamic.smoothed,
     }
     return ((name, found) for name, found in rows.items() if found)
 
@@ -174,9 +178,15 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
     if bias := score.gyro_bias_rad_s:
         yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
     if score.best and score.best.unobserved:
-        yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
+        yield "bound", f"not known: no sensor tells {score.best.unobserved}"
+    elif score.best:
+        yield "bound", f"{WITHOUT_DYNAMICS}; dynamic: of those that know the inertia and Euler's equations"
     if score.best and score.best.beaten:
-        yield "remark", "nearer than noise allows: it has seen the truth, or the noise is not as declared"
+        yield (
+            "remark",
+            "the error is smaller than the noise leaves to filters that know the dynamics: the estimate has seen the "
+            "truth, or the noise is not as declared",
+        )
 
 
 def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
@@ -217,7 +227,7 @@ def summary(score: Score) -> str:
         in_degrees(error.rms, 3) for error in (score.total_deg, score.heading_deg, score.inclination_deg)
     )
     best = "" if score.best is None or score.best.filtered is None else score.best.filtered.rms
-    least = f"; the noise of the sensors leaves {best:.3g}° to the best filter" if best else ""
+    least = f"; the {WITHOUT_DYNAMICS} is {best:.3g}°" if best else ""
     return f"The attitude error is {total} rms: heading {heading}, inclination {inclination}{least}."
 
 
@@ -297,7 +307,7 @@ def _draw_several(axes: Axes, scored: Scored) -> None:
 
 
 def _draw_total(axes: Axes, score: Score) -> None:
-    """Draw the total error, the best by noise and the limits, on a logarithmic axis where one of these is shown."""
+    """Draw the total error, the Cramér–Rao bound and the limits, on a logarithmic axis where one of these is shown."""
     total = np.degrees(score.error.total)
     end = float(score.t_s[-1])
     axes.set_xlim(0.0, end or 1.0)
@@ -305,7 +315,7 @@ def _draw_total(axes: Axes, score: Score) -> None:
     _plot(axes, score.t_s, total, "total", BLACK)
     if score.best is not None and not score.best.unobserved:
         drawn.append(score.best.filtered_deg)
-        _plot(axes, score.t_s, score.best.filtered_deg, "best by noise", PINK)
+        _plot(axes, score.t_s, score.best.filtered_deg, "Cramér–Rao bound", PINK)
     rms = score.limits.max_rms_deg
     limits = [] if rms is None else [(0.0, rms, ":", f"limit {rms:g}° rms")]
     limits += [(start, limit, "-", f"limit {limit:g}° from {start:g} s") for start, limit in score.limits.max_after]

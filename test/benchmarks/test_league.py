@@ -123,8 +123,8 @@ def test_what_a_new_reference_set_changes_is_told() -> None:
     table = reference()
     case, first = str(CASES[0]), table.rows[0]
     rows = (replace(first, version="99"), *table.rows[1:])
-    bounds = {name: 2.0 * bound for name, bound in table.best_possible_deg.items()}
-    changed = replace(table, rows=rows, readings={**table.readings, case: "0"}, best_possible_deg=bounds)
+    bounds = {name: 2.0 * bound for name, bound in table.bound_deg.items()}
+    changed = replace(table, rows=rows, readings={**table.readings, case: "0"}, bound_deg=bounds)
     told = page.change(table, changed)
     assert told[0].startswith(f"{case}: ")
     assert len(told) == 2 + len(bounds)

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
+from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation.cramer_rao_bound import (
     AttitudeReadings,
     BiasNoise,
     CramerRaoBound,
+    TorqueFreeMotion,
     VectorReadings,
     cramer_rao_bound,
+    dynamic_bound,
 )
 from lie_rigid_body.lie.so3 import hat
 from lie_rigid_body.lie.vectors import norm
@@ -91,3 +96,51 @@ def test_a_tiny_noise_is_not_lost_in_rounding(noise):
     found = cramer_rao_bound(stamps(1), q, gyro_noise=1.0, vectors=vectors)
     wanted = 1.0 / (np.pi**-2 + noise**-2 * np.array([1.0, 1.0, 2.0]))
     np.testing.assert_allclose(found.smoothed[0], np.diag(wanted), rtol=0, atol=5e-3 * noise**2)
+
+
+def test_the_dynamic_bound_is_that_of_all_unknowns_of_the_exact_motion():
+    """By the normal equations of the start, the momentum's part of it, and biases, differences of the closed form."""
+    body, count = RigidBody([1.0, 2.0, 2.5]), 12
+    t_ns, start = 8 * stamps(count), State([0.1, -0.3, 0.2, np.sqrt(0.86)], [0.3, 1.0, -0.4])
+    gyro_noise, bias, iron = 0.02, BiasNoise(0.03, 0.004), BiasNoise(0.05)
+    up, north = VectorReadings(t_ns, UP, 0.5), VectorReadings(t_ns[::3], NORTH, 0.03, iron)
+    true = Rotation.from_quat(ClosedForm(body, start).at(t_ns).attitude_xyzw)
+
+    def of_start(x):
+        first = Rotation.from_quat(start.attitude_xyzw) * Rotation.from_rotvec(x[:3])
+        states = ClosedForm(body, State(first.as_quat(), start.body_rate + x[3:6])).at(t_ns)
+        return Rotation.from_quat(states.attitude_xyzw), states.body_rate
+
+    def residuals(x):
+        R, rate = of_start(x)
+        biases = x[9:].reshape(count, 3)
+        rows = [
+            x[:3] / np.pi,
+            x[3:6] / 100.0,
+            x[6:9] / iron.turn_on,
+            (rate + biases) / gyro_noise,
+            R.inv().apply(UP) / up.noise,
+            (R[::3].inv().apply(NORTH) + x[6:9]) / north.noise,
+            biases[0] / bias.turn_on,
+            np.diff(biases, axis=0) / bias.step,
+        ]
+        return np.concatenate([row.ravel() for row in rows])
+
+    def derivative(of):
+        step = 1e-5 * np.eye(9 + 3 * count)
+        return np.array([(of(e) - of(-e)) / 2e-5 for e in step]).T
+
+    jacobian = derivative(residuals)
+    turns = derivative(lambda x: (true.inv() * of_start(x)[0]).as_rotvec().ravel())
+    covariance = turns @ np.linalg.inv(jacobian.T @ jacobian) @ turns.T
+    motion = ClosedForm(body, start)
+    linearised = TorqueFreeMotion(body.inertia, lambda t: (motion.at(t).attitude_xyzw, motion.at(t).body_rate))
+    given: Any = {"gyro_noise": gyro_noise, "gyro_bias": bias, "vectors": [up, north]}
+    found = dynamic_bound(t_ns, linearised, **given)
+    np.testing.assert_array_equal(found.joint_ns, t_ns)
+    np.testing.assert_allclose(found.joint, covariance, rtol=0, atol=1e-5 * np.abs(covariance).max())
+    blocks = np.array([covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] for k in range(count)])
+    np.testing.assert_allclose(found.smoothed, blocks, rtol=0, atol=1e-5 * blocks.max())
+    np.testing.assert_allclose(found.filtered[-1], blocks[-1], rtol=0, atol=1e-5 * blocks[-1].max())
+    without = cramer_rao_bound(t_ns, true.as_quat(), **given)
+    assert (np.trace(found.smoothed, axis1=1, axis2=2) < np.trace(without.smoothed, axis1=1, axis2=2)).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -149,20 +150,24 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
     score = run.score(estimate(run, 1.0))
     assert not score.best.beaten
     lines = str(score).splitlines()
-    named = ["best filter", "best smoother", "calibrated filter", "calibrated smoother"]
-    assert [line.split("  ")[0] for line in lines[1:8]] == ["total", "heading", "inclination", *named]
+    kinds = ("filter", "smoother", "calibrated filter", "calibrated smoother", "dynamic filter", "dynamic smoother")
+    named = [f"bound, {kind}" for kind in kinds]
+    assert [line.split("  ")[0] for line in lines[1:10]] == ["total", "heading", "inclination", *named]
     content = score.to_dict(series=True)
-    assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms
-    calibrated = content["unavoidable"]["calibrated"]
-    assert 0.0 < calibrated["filtered_deg"]["rms"] < content["unavoidable"]["filtered_deg"]["rms"]
+    assert content["cramer_rao_bound"]["filtered_deg"]["rms"] == score.best.filtered.rms
+    calibrated = content["cramer_rao_bound"]["calibrated"]
+    assert 0.0 < calibrated["filtered_deg"]["rms"] < content["cramer_rao_bound"]["filtered_deg"]["rms"]
     assert calibrated["calibrated"] is None
-    assert len(content["series"]["unavoidable_deg"]) == score.samples
+    dynamic = content["cramer_rao_bound"]["dynamic"]
+    assert 0.0 < dynamic["smoothed_deg"]["rms"] < calibrated["smoothed_deg"]["rms"]
+    assert (dynamic["calibrated"], dynamic["dynamic"], dynamic["beaten"]) == (None, None, False)
+    assert len(content["series"]["cramer_rao_bound_deg"]) == score.samples
     write_plot(score, tmp_path / "errors.png")
     write_report(score, tmp_path / "errors.html")
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
     page = (tmp_path / "errors.html").read_text(encoding="utf-8")
     assert f"{score.best.filtered.rms:.3g}°" in page
-    assert "best by noise" in page
+    assert "Cramér–Rao bound" in page
 
 
 @pytest.mark.parametrize("columns", [10_000, 4], ids=["all", "thinned"])
@@ -182,16 +187,33 @@ def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, columns
         assert np.array_equal(np.isnan(t), np.isnan(error))
 
 
-def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_honest_one(run):
+def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_other(run):
     seen = run.score(estimate(run, 1e-4), diagnosed=True)
     assert seen.best.beaten
-    assert "nearer than noise allows" in str(seen)
+    assert "has seen the truth" in str(seen)
     assert seen.findings == ()
-    assert run.score(estimate(run, 0.3)).best.beaten is False
+    smallest = seen.best.dynamic.smoothed.rms
+    for error in (0.3, 0.5 * smallest):  # errors of independent samples: √3 times this
+        assert run.score(estimate(run, error)).best.beaten is False
+
+
+def test_estimates_at_the_dynamic_bound_are_below_a_point_as_often_as_it_says(run):
+    """Of Gaussian errors with the covariance of the bound."""
+    bound = run.cramer_rao_bound().dynamic
+    draws = np.random.default_rng(3)
+    values, vectors = np.linalg.eigh(bound.joint)
+    errors = draws.normal(size=(20_000, len(values))) * np.sqrt(values.clip(0.0)) @ vectors.T
+    squares = np.sort(np.mean(np.sum(errors.reshape(20_000, -1, 3) ** 2, axis=2), axis=1))
+    for probability in (0.005, 0.02, 0.2):
+        for share, below in ((0.6, True), (1.4, False)):
+            square = squares[round(share * probability * 20_000)]
+            assert bound.is_below(bound.joint_ns, square, probability) is below
+    assert bound.is_below(bound.joint_ns, 1e-6 * squares.mean(), 1e-3)
+    assert not bound.calibrated
 
 
 def test_what_no_sensor_tells_is_said():
     run = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **{**GIVEN, "magnetometer_rate": 0.0})
     score = run.score(estimate(run, 1.0))
-    assert "best filter  not known" in str(score)
-    assert score.to_dict()["unavoidable"]["filtered_deg"] is None
+    assert re.search(r"^bound +not known", str(score), re.MULTILINE)
+    assert score.to_dict()["cramer_rao_bound"]["filtered_deg"] is None
