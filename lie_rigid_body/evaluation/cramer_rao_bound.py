@@ -15,14 +15,10 @@ filter that uses readings up to a time. Those of its smoother are the bound of e
 them. An estimator that knows the constants has the conditional covariance, given θ. All hold as far as the error is
 small enough for the linearisation.
 
-An estimator that knows the inertia J and Euler's equations has a smaller bound. Its state is (δ, β, ..., ℓ), with the
-error ℓ of the angular momentum in the world, which is constant; the gyro's readings are measurements as others are.
-With the momentum L, m = RᵀL and ε = Rδ,
-
-    ε' = R J⁻¹ Rᵀ (L × ε + ℓ)
-    error of the body rate = J⁻¹ (m × δ + Rᵀℓ)
-
-are the kinematics and Euler's equations, linearised at the true motion. There is no noise but that of the biases.
+An estimator that knows the inertia and Euler's equations has a smaller bound. Its state is the error (δ_0, η_0) of the
+attitude and of the body rate at the start, which is constant, and the biases: δ_k and the error η_k of the rate follow
+from it by the exact motion, linearised. The gyro's readings are measurements as others are, and only biases have
+process noise. As an estimator of the start is one of all times, its covariance by all readings has those of all times.
 
 References
 ----------
@@ -32,9 +28,8 @@ Transactions on Signal Processing 46 (1998) 1386.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import field, replace
-from functools import reduce
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -50,6 +45,8 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.vectors import norm
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion import ClosedForm
 
 MIN_NOISE: Final = 1e-7
 """Smallest standard deviation of a reading, as a share of the vector, in rad or in rad/s.
@@ -64,8 +61,9 @@ UNSEEN: Final = 0.25
 """Variance of the attitude about an axis, rad², from which on no reading tells anything about that axis."""
 UNKNOWN_RATE: Final = 100.0
 """Standard deviation of a body rate of which nothing is known, rad/s."""
-MAX_TURN: Final = 0.1
-"""Largest turn of the body in a step of the linearised Euler equations, rad, which then err by 1e-7 a step."""
+STEP: Final = 1e-7
+"""Step of the differences by the start of a motion, rad and rad/s: rounding is 1e-7 of them, and over an hour their
+curvature as well."""
 JOINT: Final = 60
 """Number of stamps at which the smoothed errors of a dynamic bound are known together."""
 
@@ -124,22 +122,6 @@ class AttitudeReadings:
 
     stamps_ns: Integers
     covariance: Array
-
-
-@short_dataclass(frozen=True, eq=False)
-class TorqueFreeMotion:
-    """Motion at which Euler's equations are linearised.
-
-    Parameters
-    ----------
-    inertia : ndarray, shape (3, 3)
-        In the body; its unit does not matter.
-    states_at : callable
-        Gives the attitudes world-from-body, shape (N, 4), and the body rates, rad/s, shape (N, 3), at stamps, ns.
-    """
-
-    inertia: Array
-    states_at: Callable[[Integers], tuple[Array, Array]]
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -262,7 +244,7 @@ def cramer_rao_bound(
     for name, sensor in (("gyro", gyro), *(("vector", each) for each in vectors)):
         _require_noise(name, sensor.noise / float(norm(sensor.vector)))
     *system, constants = _system(stamps_ns, truth_xyzw, initial, readings, gyro, vectors, attitudes)
-    found = covariances(*_determined(*system))[:3]
+    found = covariances(*_determined(*system))
     whole = _bound(stamps_ns, truth_xyzw, found, readings, gyro_bias, initial)
     if not constants:
         return whole
@@ -272,7 +254,9 @@ def cramer_rao_bound(
 
 def dynamic_bound(
     stamps_ns: Integers,
-    motion: TorqueFreeMotion,
+    body: RigidBody,
+    start: State,
+    start_ns: int,
     *,
     gyro_noise: float,
     gyro_bias: BiasNoise = NO_BIAS,
@@ -283,7 +267,13 @@ def dynamic_bound(
 ) -> CramerRaoBound:
     """Bound the errors of every estimator that reads the same, and knows the inertia and Euler's equations.
 
-    Linear errors of the sensors are known. Other parameters are as of `cramer_rao_bound`.
+    Parameters
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+        As of `cramer_rao_bound`, as the other parameters are. Linear errors of the sensors are known.
+    body : RigidBody
+    start : State
+        Its true state at ``start_ns``.
 
     Raises
     ------
@@ -291,38 +281,57 @@ def dynamic_bound(
         As `cramer_rao_bound`.
     """
     readings = np.ones(len(stamps_ns)) if gyro_readings is None else gyro_readings
-    none = np.zeros((0, 3, 3))
-    gyro = VectorReadings(stamps_ns, np.array([1.0, 0.0, 0.0]), gyro_noise, gyro_bias, none)
-    known = [replace(each, linear_errors=none) for each in vectors]
-    truth, rate = motion.states_at(stamps_ns)
-    F, Q, H, deviations, _ = _system(stamps_ns, truth, initial, readings, gyro, known, attitudes)
-    n = F.shape[-1]
-    momentum = slice(n, n + 3)
-    F, Q = (np.pad(each, ((0, 0), (0, 3), (0, 3))) for each in (F, Q))
-    H = np.pad(H, ((0, 0), (0, 3), (0, 3)))
-    R = quaternion.to_matrix(truth)
-    inertia = motion.inertia / np.trace(motion.inertia)
-    across = so3.hat(rate @ inertia)
-    into = np.linalg.solve(inertia, np.swapaxes(R, 1, 2))
-    F[:, :3] = 0.0
-    F[:, momentum, momentum] = np.eye(3)
-    from_world = np.swapaxes(R[1:], 1, 2) @ _flow(stamps_ns, motion, inertia)
-    F[1:, :3, :3] = from_world[..., :3] @ R[:-1]
-    F[1:, :3, momentum] = from_world[..., 3:]
-    # the state before the first sample has the rate in the place of the momentum
-    F[0, :3, :3] = np.eye(3)
-    F[0, momentum, :3] = -R[0] @ across[0]
-    F[0, momentum, momentum] = R[0] @ inertia
-    Q[:, :3] = 0.0
-    Q[:, :, :3] = 0.0
+    gyro = VectorReadings(stamps_ns, np.array([1.0, 0.0, 0.0]), gyro_noise, gyro_bias)
+    known = [replace(each, linear_errors=gyro.linear_errors) for each in vectors]
+    truth, turn, rate = _flow(body, start, stamps_ns - start_ns)
+    _, Q, H, deviations, _ = _system(stamps_ns, truth, initial, readings, gyro, known, attitudes)
+    # the start in the place of the attitude, and readings of the gyro beside those of the vectors
     weight = (np.sqrt(readings) / gyro_noise)[:, np.newaxis, np.newaxis]
-    H[:, -3:, :3] = weight * np.linalg.solve(inertia, across)
-    H[:, -3:, 3:6] = weight * np.eye(3)
-    H[:, -3:, momentum] = weight * into
-    found = covariances(*_determined(F, Q, H, np.append(deviations, [UNKNOWN_RATE] * 3)))
-    bound = _bound(stamps_ns, truth, found[:3], readings, gyro_bias, initial)
-    joint_ns, joint = _joint(stamps_ns, *found[2:])
-    return replace(bound, joint_ns=joint_ns, joint=joint)
+    of_gyro = np.broadcast_to(np.eye(3, H.shape[-1] - 3), (len(H), 3, H.shape[-1] - 3))
+    H = np.concatenate([_joined(H[..., :3] @ turn, H[..., 3:]), weight * _joined(rate, of_gyro)], axis=1)
+    Q = np.pad(Q, ((0, 0), (3, 0), (3, 0)))
+    Q[:, :6] = Q[:, :, :6] = 0.0
+    first = np.insert(deviations, 3, [UNKNOWN_RATE] * 3)
+    F = np.broadcast_to(np.eye(len(first)), Q.shape)
+    to_now = np.zeros((len(H), 6, len(first)))
+    to_now[:, :3, :6] = turn
+    to_now[:, 3:, 6:9] = np.eye(3)
+    to_now = to_now[..., first > 0.0]
+    predicted, updated, _ = covariances(*_determined(F, Q, H, first))
+    found = [to_now @ P @ np.swapaxes(to_now, 1, 2) for P in (predicted, updated, updated[-1])]
+    bound = _bound(stamps_ns, truth, found, readings, gyro_bias, initial)
+    at = np.unique(np.searchsorted(stamps_ns, np.linspace(stamps_ns[0], stamps_ns[-1], JOINT)))
+    some = turn[at].reshape(-1, 6)
+    return replace(bound, joint_ns=stamps_ns[at], joint=some @ updated[-1, :6, :6] @ some.T)
+
+
+def _joined(left: Array, right: Array) -> Array:
+    """Matrices side by side."""
+    return np.concatenate([left, right], axis=2)
+
+
+def _flow(body: RigidBody, start: State, t_ns: Integers) -> tuple[Array, Array, Array]:
+    """True attitudes at times since the start, shape (N, 4), and derivatives of attitude and rate by the start's.
+
+    The derivatives have shape (N, 3, 6), by central differences of the exact motion.
+    """
+    turns = list[Array]()
+    rates = list[Array]()
+    for off in np.eye(6) * STEP:
+        before, after = (
+            ClosedForm(
+                body,
+                State(
+                    quaternion.multiply(start.attitude_xyzw, quaternion.exp(sign * off[:3])),
+                    start.body_rate + sign * off[3:],
+                ),
+            ).at(t_ns)
+            for sign in (-1.0, 1.0)
+        )
+        turns.append(relative_rotations(before.attitude_xyzw, after.attitude_xyzw))
+        rates.append(after.body_rate - before.body_rate)
+    turn, rate = (np.stack(each, axis=2) / (2.0 * STEP) for each in (turns, rates))
+    return ClosedForm(body, start).at(t_ns).attitude_xyzw, turn, rate
 
 
 def _bound(
@@ -342,50 +351,6 @@ def _bound(
     R = quaternion.to_matrix(truth_xyzw[-1])
     unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
     return CramerRaoBound(filtered[:, :3, :3], smoothed[:, :3, :3], bias, stamps_ns, unobserved)
-
-
-def _flow(stamps_ns: Integers, motion: TorqueFreeMotion, inertia: Array) -> Array:
-    """Error ε in the world at each stamp but the first by ε and ℓ at the one before, shape (N − 1, 3, 6).
-
-    Steps of Runge and Kutta's method of fourth order, in which the body turns by `MAX_TURN` at most.
-    """
-    steps = np.diff(stamps_ns)
-    fastest = float(norm(motion.states_at(stamps_ns)[1]).max())
-    count = max(1, int(np.ceil(fastest * float(steps.max(initial=0)) / 1e9 / MAX_TURN)))
-    h = (steps / 1e9 / count)[:, np.newaxis, np.newaxis]
-    forced = np.eye(3, 6, 3)
-    X = np.tile(np.eye(3, 6), (len(steps), 1, 1))
-
-    def equations(part: float) -> tuple[Array, Array]:
-        attitude, rate = motion.states_at(stamps_ns[:-1] + np.rint(steps * (part / count)).astype(np.int64))
-        R = quaternion.to_matrix(attitude)
-        return R @ np.linalg.solve(inertia, np.swapaxes(R, 1, 2)), so3.hat(quaternion.rotate(attitude, rate @ inertia))
-
-    after = equations(0.0)
-    for step in range(count):
-        before, (W, L), after = after, equations(step + 0.5), equations(step + 1.0)
-        k1 = before[0] @ (before[1] @ X + forced)
-        k2 = W @ (L @ (X + 0.5 * h * k1) + forced)
-        k3 = W @ (L @ (X + 0.5 * h * k2) + forced)
-        k4 = after[0] @ (after[1] @ (X + h * k3) + forced)
-        X = X + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    return X
-
-
-def _joint(stamps_ns: Integers, smoothed: Array, gains: Array) -> tuple[Integers, Array]:
-    """Some of the stamps, even in time, and the covariance of the smoothed errors of the attitude at them together."""
-    even = np.linspace(stamps_ns[0], stamps_ns[-1], JOINT)
-    at = np.unique(np.searchsorted(stamps_ns, even)).tolist()
-    joint = np.zeros((len(at), 3, len(at), 3))
-    between = [reduce(np.matmul, gains[first:last]) for first, last in pairwise(at)]
-    for j, last in enumerate(at):
-        P = smoothed[last]
-        joint[j, :, j] = P[:3, :3]
-        for i in range(j - 1, -1, -1):
-            P = between[i] @ P
-            joint[i, :, j] = P[:3, :3]
-            joint[j, :, i] = P[:3, :3].T
-    return stamps_ns[at], joint.reshape(3 * len(at), -1)
 
 
 def _given(P: Array, constants: int) -> Array:

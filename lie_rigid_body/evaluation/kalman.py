@@ -17,8 +17,8 @@ import scipy  # whose parts are loaded where they are first called
 from lie_rigid_body.foundation.arrays import Array
 
 
-def covariances(F: Array, Q: Array, H: Array, deviations: Array) -> tuple[Array, Array, Array, Array]:
-    """Covariances of each sample's state by the readings before it, by those up to it, and by all; gains of smoothing.
+def covariances(F: Array, Q: Array, H: Array, deviations: Array) -> tuple[Array, Array, Array]:
+    """Covariances of each sample's state by the readings before it, by those up to it, and by all readings.
 
     Parameters
     ----------
@@ -32,8 +32,6 @@ def covariances(F: Array, Q: Array, H: Array, deviations: Array) -> tuple[Array,
     Returns
     -------
     tuple of ndarray, shape (N, n, n) each
-        The gains have shape (N − 1, n, n): the smoothed error of a sample is its gain times that of the next sample,
-        and a part that is independent of all later ones.
     """
     predicted = np.empty_like(F)
     filtered = np.empty_like(F)
@@ -53,4 +51,4 @@ def covariances(F: Array, Q: Array, H: Array, deviations: Array) -> tuple[Array,
     smoothed = filtered.copy()
     for k in range(len(gains) - 1, -1, -1):
         smoothed[k] += gains[k] @ (smoothed[k + 1] - predicted[k + 1]) @ gains[k].T
-    return predicted, filtered, smoothed, gains
+    return predicted, filtered, smoothed

@@ -15,7 +15,6 @@ from lie_rigid_body.evaluation.cramer_rao_bound import (
     AttitudeReadings,
     BiasNoise,
     CramerRaoBound,
-    TorqueFreeMotion,
     VectorReadings,
     cramer_rao_bound,
     dynamic_bound,
@@ -189,14 +188,9 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
     scenario = segment.scenario
     imu = scenario.sensors.imu
     aids = [*_aids(segment, last_ns)]
-    motion = scenario.exact_motion()
-
-    def states_at(stamps_ns: Integers) -> tuple[Array, Array]:
-        states = motion.at(stamps_ns - segment.start_ns)
-        return states.attitude_xyzw, states.body_rate
 
     def sensors(indices: Integers) -> dict[str, Any]:
-        """What estimators read and know, at the IMU's readings of some indices."""
+        """Noise and readings of the sensors, at the IMU's readings of some indices."""
         return {
             "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
             "gyro_bias": BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
@@ -206,16 +200,11 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
         }
 
     indices, few = (_kept(every, [aid.stamps_ns for aid in aids], count) for count in (most, min(most, DYNAMIC)))
-    linearised = TorqueFreeMotion(scenario.body().inertia, states_at)
-    return replace(
-        cramer_rao_bound(
-            every[indices],
-            states_at(every[indices])[0],
-            gyro_linear_errors=imu.gyro.linear_errors,
-            **sensors(indices),
-        ),
-        dynamic=dynamic_bound(every[few], linearised, **sensors(few)),
-    )
+    start_ns = segment.start_ns
+    truth = scenario.exact_motion().at(every[indices] - start_ns).attitude_xyzw
+    bound = cramer_rao_bound(every[indices], truth, gyro_linear_errors=imu.gyro.linear_errors, **sensors(indices))
+    dynamic = dynamic_bound(every[few], scenario.body(), scenario.start(), start_ns, **sensors(few))
+    return replace(bound, dynamic=dynamic)
 
 
 def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
