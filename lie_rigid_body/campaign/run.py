@@ -77,8 +77,6 @@ class Row:
         Path of its bag in the folder of the campaign.
     bag_bytes : int or None
         The size of that bag, bytes; None without one.
-    residuals : dict of str to list of float
-        The worst residual of each law, and its limit.
     run_scores : list of dict
         Fields of a `RunScore` for each of the campaign's entries.
     """
@@ -89,7 +87,6 @@ class Row:
     attitude_accuracy_rad: float = 0.0
     bag: str | None = None
     bag_bytes: int | None = None
-    residuals: dict[str, list[float]] = field(default_factory=dict)
     run_scores: list[dict[str, Any]] = field(default_factory=list)
 
     def has_bag(self, folder: Path) -> bool:
@@ -135,7 +132,6 @@ def carry_out(campaign: Campaign, run: int, folder: Path, *, keep: bool) -> Row:
         certificate.attitude_accuracy,
         bag_name(run) if keep else None,
         size if keep else None,
-        {law: list(pair) for law, pair in certificate.residuals.items()},
         run_scores(campaign, run),
     )
 

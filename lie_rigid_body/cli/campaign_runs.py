@@ -21,10 +21,9 @@ from lie_rigid_body.estimates.programs import words
 from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.wording import MAX_NAMES, counted, listed, printable, shown
-from lie_rigid_body.report import campaign_scores, html_page
-from lie_rigid_body.report.answer import Conclusion, Details, Part, as_page
+from lie_rigid_body.report import campaign_scores
+from lie_rigid_body.report.answer import Conclusion, Details, Part, Table, as_page
 from lie_rigid_body.report.outputs import require_outputs
-from lie_rigid_body.report.overview import VerdictRow, page
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interpreters import Interpreter
 from lie_rigid_body.system.interruption import Interruption
@@ -33,6 +32,8 @@ from lie_rigid_body.system.portable import cores
 
 MAX_TRIED: Final = 1000
 """Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
+MAX_ROWS: Final = 500
+"""Largest number of runs in the table of a page; those that are not certified come first."""
 MAX_FAILURES: Final = 20
 """Number of runs that may fail one after another before no more are begun; and that may have no score."""
 
@@ -215,7 +216,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
 def _outline(row: Row, *, whole: bool) -> Row:
     """A row with the columns of its scores alone: of a million runs what only a page tells would take gigabytes."""
     scores = [run_score["scores"] for run_score in row.run_scores]
-    return replace(row, run_scores=scores) if whole else replace(row, run_scores=scores, parameters={}, residuals={})
+    return replace(row, run_scores=scores) if whole else replace(row, run_scores=scores, parameters={})
 
 
 def _scored(rows: Sequence[Row]) -> str:
@@ -228,22 +229,27 @@ def _scored(rows: Sequence[Row]) -> str:
 
 
 def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[Part]) -> bytes:
-    title = f"Campaign {name}"
-    if first:
-        certified = sum(row.certified for row in rows)
-        count = Conclusion([f"{certified} of {len(rows)} runs CERTIFIED"], certified == len(rows))
-        return as_page(title, [*first, count, Details("Campaign", campaign.to_json())], with_figures=True)
-    lines = [
-        VerdictRow(
-            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
-            row.certified,
-            row.attitude_accuracy_rad,
-            row.residuals,
-        )
-        for row in rows
-    ]
-    more = [html_page.details("Campaign", campaign.to_json())]
-    return page(title, "runs", ("run", *campaign.vary), lines, more)
+    """The answer about estimators, or a table of the runs, and how many are certified."""
+    certified = sum(row.certified for row in rows)
+    count = Conclusion([f"{certified} of {len(rows)} runs CERTIFIED"], certified == len(rows))
+    parts = first or [_table(campaign, sorted(rows, key=lambda row: row.certified)[:MAX_ROWS])]
+    return as_page(f"Campaign {name}", [*parts, count, Details("Campaign", campaign.to_json())], with_figures=True)
+
+
+def _table(campaign: Campaign, rows: Sequence[Row]) -> Table:
+    return Table(
+        ("run", *campaign.vary, "attitude, rad"),
+        [
+            (
+                str(row.run),
+                *(_cell(row.parameters[name]) for name in campaign.vary),
+                f"{row.attitude_accuracy_rad:.2g}" if row.certified else "NOT CERTIFIED",
+            )
+            for row in rows
+        ],
+        "Runs",
+        {number for number, row in enumerate(rows) if not row.certified},
+    )
 
 
 def _cell(value: Value | Sequence[float]) -> str:

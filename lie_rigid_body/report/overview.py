@@ -1,11 +1,10 @@
-"""Answer about many bags, and the page of many runs."""
+"""Answer about many bags."""
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate, LawResult
@@ -18,8 +17,6 @@ from lie_rigid_body.system import console
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
 _MAX_TOLD: Final = 10
 """Number of things that are not certified of which the answer tells."""
-MAX_ROWS: Final = 500
-"""Largest number of lines of the table; of more the worst are shown."""
 MAX_MESSAGES: Final = 100
 """Largest number of broken laws that are told in words."""
 
@@ -64,12 +61,7 @@ def as_table(verdicts: Sequence[Verdict]) -> str:
 
 def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
     """Answer as a page, of at least one bag or body that has a certificate."""
-    rows = [
-        VerdictRow(("",), each.certificate.passed, each.certificate.attitude_accuracy, each.certificate.residuals)
-        for each in verdicts
-        if each.certificate is not None
-    ]
-    curves = Picture(lambda: "".join(_distributions(kind_of(verdicts), rows)))
+    curves = Picture(lambda: "".join(_distributions(kind_of(verdicts), verdicts)))
     return answer.as_page(title, [*_parts(verdicts), curves], with_figures=True)
 
 
@@ -163,101 +155,10 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     return lines if more <= 0 else [*lines[:_MAX_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
 
-@short_dataclass(frozen=True)
-class VerdictRow:
-    """One of many bags, or of the runs of a campaign.
-
-    Parameters
-    ----------
-    cells : tuple of str
-        What it is: its name or number first.
-    certified : bool
-    accuracy : float
-        Bound of the error of its attitudes, rad.
-    residuals : mapping of str to (float, float)
-        `Certificate.residuals`.
-    """
-
-    cells: tuple[str, ...]
-    certified: bool
-    accuracy: float
-    residuals: Mapping[str, Sequence[float]]
-
-    @property
-    def worst(self) -> tuple[str, str]:
-        """Law that came nearest to its limit, or went farthest beyond, and its residual as a share of the limit."""
-        name, (worst, limit) = max(self.residuals.items(), key=lambda law: _share(*law[1]), default=("", (0.0, 0.0)))
-        return name, certificates.of_limit(worst, limit) if name else ""
-
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """Key of order, smaller for what is worse."""
-        return self.certified, -math.inf if math.isnan(self.accuracy) else -self.accuracy
-
-    @property
-    def row(self) -> tuple[str, ...]:
-        """Cells of the table; only attitudes that are certified are worth a bound."""
-        accuracy, verdict = (f"{self.accuracy:.2g}", "certified") if self.certified else ("", "NOT CERTIFIED")
-        # the verdict is beside the name: a wide table is cut off at the right
-        return (self.cells[0], verdict, *self.cells[1:], *self.worst, accuracy)
-
-
-def _share(worst: float, limit: float) -> tuple[bool, float]:
-    """Key of order, larger for what goes farther beyond its limit; NaN does by any."""
-    return not worst <= limit, 0.0 if worst == 0.0 else math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
-
-
-def page(
-    title: str,
-    what: str,
-    headings: Sequence[str],
-    rows: Sequence[VerdictRow],
-    more: Sequence[str] = (),
-) -> bytes:
-    """Make the page of rows.
-
-    Parameters
-    ----------
-    title : str
-    what : str
-        Noun in the plural for what the rows are.
-    headings : sequence of str
-        Of their own cells.
-    rows : sequence of VerdictRow
-        At least one.
-    more : sequence of str, optional
-        HTML at the end.
-
-    Returns
-    -------
-    bytes
-        HTML.
-    """
-    accuracies = [row.accuracy for row in rows if row.certified]
-    passed = len(accuracies) == len(rows)
-    whose = "Attitudes" if passed else f"The attitudes of the {what} that are certified"
-    within = f"{whose} are within {max(accuracies, default=0.0):.2g} rad of the exact motion."
-    worst = sorted(rows, key=lambda row: row.rank)[:MAX_ROWS]
-    listed = [row for row in rows if row in worst] if len(rows) > MAX_ROWS else rows
-    parts: list[Part] = [
-        Conclusion([f"{len(accuracies)} of {len(rows)} {what} CERTIFIED"], passed),
-        Sentences([within] if accuracies else []),
-        Picture(lambda: "".join([*_distributions(what, rows), *more])),
-        Sentences([f"Of {len(rows)} {what} these {MAX_ROWS} are the worst."] if len(rows) > MAX_ROWS else []),
-        Table(
-            (headings[0], "", *headings[1:], "worst law", "of limit", "attitude, rad"),
-            [row.row for row in listed],
-            what.capitalize(),
-            {number for number, row in enumerate(listed) if not row.certified},
-        ),
-    ]
-    return answer.as_page(title, parts, with_figures=True)
-
-
-def _distributions(what: str, rows: Sequence[VerdictRow]) -> Iterator[str]:
+def _distributions(what: str, verdicts: Sequence[Verdict]) -> Iterator[str]:
     laws: dict[str, list[Sequence[float]]] = {}
-    for row in rows:
-        for name, pair in row.residuals.items():
+    for certificate in filter(None, (verdict.certificate for verdict in verdicts)):
+        for name, pair in certificate.residuals.items():
             laws.setdefault(name, []).append(pair)
     if panels := list(figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"

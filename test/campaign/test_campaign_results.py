@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
@@ -109,7 +108,7 @@ def test_where_no_scheduler_answers_the_campaign_ends(address: str, tmp_path: Pa
         next(on_a_cluster(Campaign(1, 1, 1.0), [0], tmp_path, address, keep=True))
 
 
-def test_a_page_shows_the_runs_and_their_residuals(
+def test_a_page_shows_the_runs_and_how_many_are_certified(
     out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("plotly")
@@ -124,10 +123,7 @@ def test_a_page_shows_the_runs_and_their_residuals(
     for row in rows:
         assert f"<td>{row['run']}</td>" in text
         assert f"<td>{row['gyro_noise_density']:.4g}</td>" in text
-    drawn = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
-    counts = {name: sum(json.loads(content)["data"][0]["y"]) for name, content in drawn}
-    assert {"body rate [rel]", "attitude [rad]"} <= counts.keys()
-    assert counts["attitude [rad]"] == 6
+    assert "<h3>" not in text
     assert main(given) == 2
 
 
