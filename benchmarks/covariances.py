@@ -1,9 +1,10 @@
-"""Whether honest covariances are found honest, and what is wrong with others: ``python benchmarks/covariances.py``.
+"""What is said of right covariances and of wrong ones: ``python benchmarks/covariances.py``.
 
-Errors of 100 runs are drawn with a known covariance: one that is constant over a run, one that grows like a random
-walk, and one of a stationary process. What is said of the true covariance and of wrong ones is counted over campaigns.
+Errors of some runs are drawn with a known covariance: one that is constant over a run, one that grows like a random
+walk, and one of a stationary process. What is said of the true covariance and of wrong ones is counted over campaigns;
+in the last line of each kind the covariance is wrong by the factor that so many runs are said to show.
 
-    python benchmarks/covariances.py --campaigns 200
+    python benchmarks/covariances.py --campaigns 200 --runs 12
 """
 
 from __future__ import annotations
@@ -30,14 +31,14 @@ MEMORY: Final = 0.9
 """Correlation of neighbouring errors of the stationary process."""
 
 
-def drawn(kind: str, draws: np.random.Generator) -> tuple[Array, Array]:
+def drawn(kind: str, draws: np.random.Generator, runs: int = RUNS) -> tuple[Array, Array]:
     """Errors of runs, shape (R, T, 3), rad, and their covariance, shape (R, T, 3, 3), rad²."""
     deviations, signs = draws.uniform(0.005, 0.02, 3), draws.choice([-1.0, 1.0], 2)
     correlation = np.eye(3)
     correlation[0, 1] = correlation[1, 0] = 0.4 * signs[0]
     correlation[0, 2] = correlation[2, 0] = 0.3 * signs[1]
     covariance = correlation * np.outer(deviations, deviations)
-    steps = draws.normal(size=(RUNS, len(TIMES), 3)) @ np.linalg.cholesky(covariance).T
+    steps = draws.normal(size=(runs, len(TIMES), 3)) @ np.linalg.cholesky(covariance).T
     factor = np.ones(len(TIMES))
     if kind == "constant":
         steps = np.repeat(steps[:, :1], len(TIMES), axis=1)
@@ -46,7 +47,7 @@ def drawn(kind: str, draws: np.random.Generator) -> tuple[Array, Array]:
     else:
         for k in range(1, len(TIMES)):
             steps[:, k] = MEMORY * steps[:, k - 1] + np.sqrt(1.0 - MEMORY**2) * steps[:, k]
-    return steps, np.broadcast_to(factor[:, np.newaxis, np.newaxis] * covariance, (RUNS, len(TIMES), 3, 3))
+    return steps, np.broadcast_to(factor[:, np.newaxis, np.newaxis] * covariance, (runs, len(TIMES), 3, 3))
 
 
 def _root(P: Array) -> Array:
@@ -55,7 +56,7 @@ def _root(P: Array) -> Array:
 
 
 GIVEN: Final[dict[str, Callable[[Array, Array], Array]]] = {
-    "honest": lambda P, R: P,
+    "right": lambda P, R: P,
     "variance × 1.5": lambda P, R: 1.5 * P,
     "variance ÷ 1.5": lambda P, R: P / 1.5,
     "about the body's axes": lambda P, R: np.swapaxes(R, -1, -2) @ P @ R,
@@ -67,14 +68,14 @@ GIVEN: Final[dict[str, Callable[[Array, Array], Array]]] = {
 """What a filter gives in the place of its covariance, from the true one and the true rotations."""
 
 
-def judged(kind: str, wrong: str, number: int) -> EnsembleConsistency:
+def judged(kind: str, wrong: str, number: int, runs: int = RUNS) -> EnsembleConsistency:
     """The verdict of one campaign."""
     draws = np.random.default_rng((KINDS.index(kind), number))
-    errors, covariance = drawn(kind, draws)
-    attitude = Rotation.from_quat(draws.normal(size=(RUNS * len(TIMES), 4)))  # of any direction alike
-    R = attitude.as_matrix().reshape(RUNS, len(TIMES), 3, 3)
+    errors, covariance = drawn(kind, draws, runs)
+    attitude = Rotation.from_quat(draws.normal(size=(runs * len(TIMES), 4)))  # of any direction alike
+    R = attitude.as_matrix().reshape(runs, len(TIMES), 3, 3)
     return ensemble_consistency(
-        TIMES, errors, GIVEN[wrong](covariance, R), attitude.as_quat().reshape(RUNS, len(TIMES), 4)
+        TIMES, errors, GIVEN[wrong](covariance, R), attitude.as_quat().reshape(runs, len(TIMES), 4)
     )
 
 
@@ -82,17 +83,28 @@ def main() -> None:
     """Print a line for each kind of error and each wrong covariance."""
     parser = argparse.ArgumentParser(description="What is said of covariances that are known.")
     parser.add_argument("--campaigns", type=int, default=100, help="campaigns of each kind (default: %(default)s)")
-    campaigns = parser.parse_args().campaigns
-    print(f"{campaigns} campaigns of {RUNS} runs: what the covariance is called, and what is wrong with it")
+    parser.add_argument("--runs", type=int, default=RUNS, help="runs of a campaign (default: %(default)s)")
+    given = parser.parse_args()
+    campaigns = given.campaigns
+    print(f"{campaigns} campaigns of {given.runs} runs: what the covariance is called, and what is wrong with it")
     for wrong in GIVEN:
         for kind in KINDS:
             found = Counter(
-                f"{v.verdict} {v.cause}".strip() for v in (judged(kind, wrong, i) for i in range(campaigns))
+                f"{v.verdict} {v.cause}".strip() for v in (judged(kind, wrong, i, given.runs) for i in range(campaigns))
             )
             print(
                 f"{wrong:26} {kind:11} {', '.join(f'{count} {what}' for what, count in found.most_common())}",
                 flush=True,
             )
+    for kind in KINDS:
+        shown = list[bool]()
+        factors = list[float]()
+        for number in range(campaigns):
+            draws = np.random.default_rng((KINDS.index(kind), number))
+            errors, covariance = drawn(kind, draws, given.runs)
+            factors.append(ensemble_consistency(TIMES, errors, covariance).factor_shown)
+            shown.append(not ensemble_consistency(TIMES, errors, covariance / factors[-1]).passed)
+        print(f"{f'÷ {np.median(factors):.2f}, as told':26} {kind:11} {sum(shown)} shown", flush=True)
 
 
 if __name__ == "__main__":

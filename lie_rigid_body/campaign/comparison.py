@@ -76,6 +76,8 @@ class EstimatorSummary:
         Verdict on the covariance of the attitude, and of the gyro's bias, where there are enough runs that have one.
     points : tuple of Point
         Those of its grid.
+    bias_claimed_exact : int
+        Number of the kept runs in which the covariance of the gyro's bias is 0 beside an error.
     """
 
     entry: EstimatorSpec
@@ -88,6 +90,7 @@ class EstimatorSummary:
     covariance: EnsembleConsistency | None
     gyro_bias: EnsembleConsistency | None
     points: tuple[Point, ...]
+    bias_claimed_exact: int
 
     @property
     def name(self) -> str:
@@ -259,6 +262,7 @@ class _EntryScores:
             covariance=_verdict(duration_s, right, of_bias=False),
             gyro_bias=_verdict(duration_s, right, of_bias=True),
             points=points,
+            bias_claimed_exact=sum(each.bias_claimed_exact for each in right),
         )
 
 

@@ -193,6 +193,8 @@ class RunScore:
         rad², row by row, and the estimated attitude, scalar last.
     gyro_bias : list of list of float
         At the same times: the error of the gyro's bias, rad/s, and the upper triangle of its covariance, rad²/s².
+    bias_claimed_exact : bool
+        Whether the covariance of the gyro's bias is 0 beside an error.
     """
 
     scores: Scores
@@ -201,6 +203,7 @@ class RunScore:
     axes: str = "world"
     covariance: list[list[float]] = field(default_factory=list)
     gyro_bias: list[list[float]] = field(default_factory=list)
+    bias_claimed_exact: bool = False
 
     @property
     def error(self) -> str | None:
@@ -245,11 +248,13 @@ def _run_score(found: Estimate, run: Run, *, series: bool) -> RunScore:
     total = np.degrees(attitude_error(found.attitude_xyzw[places], truth.at(found.t_ns[places])).total)
     curve = np.where(known, total, np.nan).tolist()
     places, known = _nearest(found.t_ns, run.t_ns, truth, SERIES)
+    exact = score.gyro_bias is not None and score.gyro_bias.claimed_exact > 0
     if not (series and known.all()):
-        return RunScore(scores, curve_deg=curve)
+        return RunScore(scores, curve_deg=curve, bias_claimed_exact=exact)
     return RunScore(
         scores,
         curve_deg=curve,
+        bias_claimed_exact=exact,
         axes=found.covariance_axes,
         covariance=_attitude_series(found, truth, places),
         gyro_bias=_bias_series(found, run, places),
@@ -277,6 +282,8 @@ def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float
         return []
     errors = numbers("gyro_bias", found.gyro_bias, 3)[places] - run.gyro_bias_at(found.t_ns[places])
     P = numbers("gyro_bias_covariance", found.gyro_bias_covariance, 3, 3)
+    if not P.any():  # the score tells it
+        return []
     factor_of(P, "gyro_bias_covariance")
     return _rows(errors, P, len(found), places)
 

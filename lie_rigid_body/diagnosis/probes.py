@@ -44,8 +44,8 @@ WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 _RESTS: Final = (0.0, REST, 3.0 * REST)
 """Rests before the motion that are compared, s."""
 SEEDS: Final = 12
-"""Short runs with noise by which a covariance is judged, and as many others. One honest covariance of twenty is found
-dishonest by chance, and two of these verdicts are not."""
+"""Short runs with noise by which a covariance is judged, and as many others. Of twenty right covariances one is called
+inconsistent by chance, and two of these verdicts are not."""
 SHORT_S: Final = 5.0
 """Length of the motion of a short run with noise, s."""
 JUDGED: Final = 20
@@ -403,7 +403,7 @@ def _noisy_runs(search: Search) -> list[Course]:
 
 
 def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    """Whether a covariance is honest, and what is wrong with it, by the rule of a campaign."""
+    """Whether a covariance is consistent, and what is wrong with it, by the rule of a campaign."""
     count = min(len(answer.track.stamps_ns) for answer in answers)
     axes = answers[0].given.covariance_axes
     at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)

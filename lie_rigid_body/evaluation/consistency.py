@@ -123,8 +123,7 @@ def _nees(errors: Array, covariance: Array, probability: float) -> Consistency:
     mean = float(np.mean(values))
     remark = ""
     if not 1.0 / FAR < mean / d < FAR:
-        size = f"{mean / d:.3g} times as large as" if mean > d else f"{mean / d:.2g} times"
-        remark = f"the squared errors are {size} what the covariance says"
+        remark = f"the squared errors are {mean / d:.3g} times what the covariance says"
     return Consistency(values, d, mean, (low, high), inside, probability, remark)
 
 

@@ -53,8 +53,6 @@ class Difference:
         The ratio and its interval at the level 1 − 0.05 / `pairs`; from 0 to infinity where there are too few runs.
     p : float
         Value p of the signed-rank test, adjusted for all pairs; it decides.
-    smaller : int
-        Number of runs in which the error of the first is smaller.
     runs : int
         Number of runs that both have.
     without_answer : tuple of int
@@ -67,7 +65,6 @@ class Difference:
     low: float
     high: float
     p: float
-    smaller: int
     runs: int
     without_answer: tuple[int, int] = (0, 0)
     pairs: int = 1
@@ -81,11 +78,6 @@ class Difference:
     def factor(self) -> float:
         """Factor between two errors that so many runs would show: half of the interval's width, as a ratio."""
         return float(np.sqrt(self.high / self.low)) if self.low else np.inf
-
-    @property
-    def fewest(self) -> int:
-        """Smallest number of runs that can show anything in so many pairs."""
-        return fewest_runs(self.pairs)
 
     def sentence(self, first: str, second: str) -> str:
         """Sentence about the errors of two estimators of these names, without a full stop."""
@@ -104,7 +96,7 @@ class Difference:
     def _limit(self) -> str:
         if self.low:
             return f"they would show a factor of {self.factor:.3g}"
-        return f"at least {self.fewest} are needed for {counted(self.pairs, 'pair')}"
+        return f"at least {fewest_runs(self.pairs)} are needed for {counted(self.pairs, 'pair')}"
 
 
 def fewest_runs(pairs: int) -> int:
@@ -156,8 +148,7 @@ def of_pairs(pairs: Sequence[tuple[ArrayLike, ArrayLike]], among: int = 0) -> li
     for each, errors, p in zip(logarithms, read, adjusted, strict=True):
         ratio, low, high = np.exp(_interval(each, LEVEL / among)).tolist()
         lost = np.isnan(errors).sum(axis=1).tolist()
-        smaller = int(np.sum(each < 0.0))
-        found.append(Difference(ratio, low, high, float(p), smaller, len(each), (lost[0], lost[1]), among))
+        found.append(Difference(ratio, low, high, float(p), len(each), (lost[0], lost[1]), among))
     return found
 
 

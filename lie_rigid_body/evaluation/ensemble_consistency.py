@@ -1,12 +1,16 @@
-"""Whether a covariance is honest over many runs, and what is wrong with it.
+"""Consistency of a covariance with the errors of many runs, and what is wrong where it is not consistent.
 
 Errors of a filter are correlated in time, so the samples of one run are not independent; runs are, where the seeds of
-their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time. Over honest runs
-its mean is the number of degrees of freedom, whatever the correlation. Its distribution is close to a gamma
-distribution of unknown shape, by whose likelihood ratio the mean is tested. A band of the mean NEES over time that
-holds for all times at once comes from resampling whole runs (bootstrap-t: B. Efron, R. Tibshirani, An Introduction to
-the Bootstrap, 1993, chapter 12, with the largest deviation over time). What is wrong is named by repair: of the
-covariances that are repaired, the likelier ones that are honest name it.
+their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time. Where the
+covariance is right, its mean over runs is the number of degrees of freedom, whatever the correlation. Its distribution
+is close to a gamma distribution of unknown shape, by whose likelihood ratio the mean is tested. A band of the mean NEES
+over time that holds for all times at once comes from resampling whole runs (bootstrap-t: B. Efron, R. Tibshirani, An
+Introduction to the Bootstrap, 1993, chapter 12, with the largest deviation over time). What is wrong is named by
+repair: of the covariances that are repaired, the likelier ones without an inconsistency name it.
+
+Measured (benchmarks/covariances.py): of right covariances 3 to 6 % are called inconsistent, with 12, 30 or 100 runs and
+errors that are constant over a run, grow like a random walk, or are stationary. Of covariances that are wrong by the
+factor that so many runs are said to show, 47 to 66 % are.
 """
 
 from __future__ import annotations
@@ -28,9 +32,11 @@ from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.lie import quaternion
 
 LEVEL: Final = 0.05
-"""Probability that an honest covariance is called something else."""
+"""Probability that a right covariance is called inconsistent."""
 _HALF: Final = LEVEL / 2.0
 """Level of each of the two tests, of the mean and of the band."""
+NOT_SHOWN: Final = "no inconsistency shown"
+"""Verdict on a covariance that the errors do not contradict; other ones may be as likely."""
 MIN_RUNS: Final = 10
 """Least number of runs whose spread is known well enough."""
 COVERAGES: Final = (0.68, 0.95, 0.997)
@@ -55,7 +61,7 @@ class Interval:
 
 @short_dataclass(frozen=True)
 class EnsembleConsistency:
-    """Verdict about a covariance over many runs.
+    """Verdict on a covariance over many runs.
 
     Attributes
     ----------
@@ -63,8 +69,8 @@ class EnsembleConsistency:
     nees_mean : float
         Mean over runs and times; `dimension` is expected.
     verdict : str
-        ``honest``, ``overconfident`` (errors larger than the covariance says), ``conservative``, or ``changing``, where
-        the mean over all times is right and that of some times is not.
+        ``no inconsistency shown``, ``overconfident`` (errors larger than the covariance says), ``conservative``, or
+        ``changing``, where the mean over all times is right and that of some times is not.
     outside : tuple of Interval
         Times in which the mean NEES over the runs is outside of a band that holds for all times together.
     coverage : dict of float to float
@@ -74,7 +80,7 @@ class EnsembleConsistency:
     factor : float
         What the covariance is to be multiplied by to have the right mean NEES.
     factor_bounds : tuple of float
-        Interval of `factor` at 95 %.
+        Interval of `factor` at 97.5 %, the level of the test of the mean.
     over_time : tuple of (float, float)
         Times, s, and the mean NEES over the runs at each.
     """
@@ -92,8 +98,14 @@ class EnsembleConsistency:
 
     @property
     def passed(self) -> bool:
-        """Whether it is honest."""
-        return self.verdict == "honest"
+        """Whether no inconsistency is shown."""
+        return self.verdict == NOT_SHOWN
+
+    @property
+    def factor_shown(self) -> float:
+        """Factor of a wrong covariance that so many runs would show: half of the interval's width, as a ratio."""
+        low, high = self.factor_bounds
+        return float(np.sqrt(high / low))
 
     @property
     def message(self) -> str:
@@ -105,7 +117,12 @@ class EnsembleConsistency:
             else f"{i.verdict} from {i.begin_s:.4g} s to {i.end_s:.4g} s"
             for i in self.outside
         )
-        mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
+        mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs, expected {self.dimension}"
+        if self.passed:
+            low, high = self.factor_bounds
+            found = f"{self.factor:.3g} ({low:.3g} to {high:.3g})"
+            shown = f"with these {self.runs} runs a factor of {self.factor_shown:.3g} would be"
+            return f"No inconsistency shown ({mean}, factor {found}); {shown}"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
     @property
@@ -120,19 +137,19 @@ class EnsembleConsistency:
 _REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] = {
     "axes": (
         lambda P, R, factor: R @ P @ np.swapaxes(R, -1, -2),
-        "it is honest about the other axes, of world and body: give covariance_axes",
+        "it is consistent about the other axes, of world and body: give covariance_axes",
     ),
     "standard_deviation": (
         lambda P, R, factor: P @ P,
-        "it is honest when it is squared: give variances, no standard deviations",
+        "it is consistent when it is squared: give variances, not standard deviations",
     ),
     "degrees": (
         lambda P, R, factor: P * np.radians(1.0) ** 2,
-        "it is honest when degrees become radians: give rad²",
+        "it is consistent when degrees become radians: give rad²",
     ),
     "cross_covariances": (
         lambda P, R, factor: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
-        "it is honest with cross-covariances of the other sign",
+        "it is consistent with cross-covariances of the other sign",
     ),
     "factor": (lambda P, R, factor: factor * P, "multiply it by {:.3g} ({:.3g} to {:.3g})"),
 }
@@ -185,7 +202,7 @@ def ensemble_consistency(
         R = quaternion.to_matrix(q if axes == "world" else quaternion.conjugate(q))
     values, scores = _nees_and_score(e, P)
     means = values.mean(axis=1)
-    low, high = mean_bounds(means, LEVEL)
+    low, high = mean_bounds(means, _HALF)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(times, values, dimension, seed)
     return EnsembleConsistency(
@@ -195,7 +212,7 @@ def ensemble_consistency(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed),
+        "" if verdict == NOT_SHOWN else _cause(times, e, P, scores, R, factor, seed),
         factor,
         (low / dimension, high / dimension),
         tuple(zip(times.tolist(), values.mean(axis=0).tolist(), strict=True)),
@@ -249,7 +266,7 @@ def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str,
     (low, high) = mean_bounds(values.mean(axis=1), _HALF)
     outside = _outside(t_s, values, dimension, seed)
     if low <= dimension <= high:
-        return ("changing" if outside else "honest"), outside
+        return ("changing" if outside else NOT_SHOWN), outside
     return ("overconfident" if low > dimension else "conservative"), outside
 
 
@@ -276,7 +293,7 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
 
 @np.errstate(over="ignore")  # what is repaired may leave double precision, and is then no cause
 def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
-    """Cause whose repair makes errors likelier and the covariance honest: the likeliest, a factor if no other."""
+    """Cause whose repair makes errors likelier and the covariance consistent: the likeliest, a factor if no other."""
     runs = len(errors)
     dimension = errors.shape[-1]
     found: dict[str, tuple[bool, float]] = {}
@@ -287,6 +304,6 @@ def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array
             continue
         gain = scores - repaired
         sure = code == "factor" or gain.mean() > scipy.stats.t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
-        if sure and _verdict(t_s, values, dimension, seed)[0] == "honest":
+        if sure and _verdict(t_s, values, dimension, seed)[0] == NOT_SHOWN:
             found[code] = code == "factor", float(repaired.mean())
     return min(found, key=lambda code: found[code], default="")

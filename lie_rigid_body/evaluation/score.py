@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 MAX_LUCK: Final = 1e-3
 """Largest probability of an error that is called smaller than the noise allows."""
-MAX_SETTLED_DEG: Final = 20.0
-"""Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
 
 
 @short_dataclass(frozen=True)
@@ -55,11 +53,21 @@ class BiasEstimate:
     ----------
     stamps_ns : ndarray of int64, shape (N,)
     estimate, truth : ndarray, shape (N, 3)
+    covariance : ndarray, shape (N, 3, 3) or (3, 3), or None
+        That the estimator claims, rad²/s².
     """
 
     stamps_ns: Integers
     estimate: Array
     truth: Array
+    covariance: Array | None = None
+
+    @property
+    def claimed_exact(self) -> int:
+        """Number of estimates with an error whose covariance is 0."""
+        if self.covariance is None:
+            return 0
+        return int(np.sum((self.estimate != self.truth).any(axis=-1) & ~self.covariance.any(axis=(-2, -1))))
 
     def at(self, stamps_ns: Integers) -> dict[str, Array]:
         """Length of the error at stamps, ns, rad/s, interpolated between the estimates; with the name of its column."""
@@ -160,6 +168,8 @@ class Score(Shown):
         Limits with which the errors were compared.
     of_sensors_deg : float or None
         Largest constant turn that these sensors leave to a right filter, degrees; None unless such a turn was found.
+    settled_deg : float or None
+        Largest total error of the second half of the run, degrees, where no limit of convergence was given.
     gyro_at_limit : float
         Share of the gyro's readings that are at the limit of its range, from 0 to 1.
     """
@@ -183,6 +193,7 @@ class Score(Shown):
     limits: Limits = field(default_factory=Limits)
     of_sensors_deg: float | None = None
     gyro_at_limit: float = 0.0
+    settled_deg: float | None = None
 
     def __repr__(self) -> str:
         """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
@@ -239,6 +250,7 @@ class Score(Shown):
             "inclination_deg": asdict(self.inclination_deg),
             "time_to_converge_s": self.time_to_converge_s,
             "converged_deg": self.converged_deg,
+            "settled_deg": self.settled_deg,
             "lag_s": self.lag_s,
             "lag_standard_error_s": self.lag_standard_error_s,
             "truth_uncertainty_deg": self.truth_uncertainty_deg,

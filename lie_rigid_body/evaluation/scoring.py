@@ -23,8 +23,16 @@ from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
 from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched
-from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, BoundComparison, Finding, Score
-from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.score import BiasEstimate, BoundComparison, Finding, Score
+from lie_rigid_body.evaluation.statistics import (
+    Limits,
+    Statistics,
+    Tally,
+    largest_of_second_half,
+    rms,
+    settling_limit,
+    time_to_converge,
+)
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import in_degrees, shown
@@ -200,8 +208,10 @@ def score_estimate(
     tally.add(track.stamps_ns, error)
     uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
     limit = options.converged_deg
+    settled_deg = None
     if limit is None:
-        limit = min(settling_limit(t_s, total), MAX_SETTLED_DEG)
+        settled_deg = largest_of_second_half(t_s, total)
+        limit = settling_limit(settled_deg)
     lag = Lag()
     causes = tuple[Finding, ...]()
     of_sensors = False
@@ -236,6 +246,7 @@ def score_estimate(
         limits=options.limits,
         of_sensors_deg=float(np.degrees(sensors.left_rad)) if of_sensors else None,
         gyro_at_limit=sensors.gyro_at_limit,
+        settled_deg=settled_deg,
     )
 
 

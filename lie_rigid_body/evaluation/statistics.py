@@ -23,6 +23,8 @@ from lie_rigid_body.lie import vectors
 
 MIN_LIMIT: Final = 1e-3
 """Least default limit of convergence, degrees."""
+MAX_SETTLED_DEG: Final = 20.0
+"""Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
 UNITS: Final = {
     "an angle such as 1deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi},
     "a time such as 10s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
@@ -88,22 +90,18 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
     return Statistics.of(vectors.norm(given - true).reshape(-1))
 
 
-def settling_limit(t_s: Array, errors: Array) -> float:
-    """Default limit of `time_to_converge`: one and a half times the largest error of the second half of the run.
+def largest_of_second_half(t_s: Array, errors: Array) -> float:
+    """Largest error of the second half of a run: what an estimate settles to."""
+    return float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max())
 
-    Steady noise hardly ever exceeds it, so the time tells when the error came down to what it is later.
 
-    Parameters
-    ----------
-    t_s, errors : ndarray, shape (N,)
-        Times in s and errors in degrees.
+def settling_limit(settled_deg: float) -> float:
+    """Limit of `time_to_converge` where none is given: one and a half times the largest error of the second half.
 
-    Returns
-    -------
-    float
-        Degrees, at least `MIN_LIMIT`.
+    Steady noise hardly ever exceeds it, so the time tells when the error came down to what it is later, whatever that
+    is: at least `MIN_LIMIT` and at most `MAX_SETTLED_DEG`, degrees.
     """
-    return max(1.5 * float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max()), MIN_LIMIT)
+    return min(max(1.5 * settled_deg, MIN_LIMIT), MAX_SETTLED_DEG)
 
 
 def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float | None:

@@ -10,8 +10,13 @@ import numpy as np
 
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import attitude_error, bias_error
-from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG
-from lie_rigid_body.evaluation.statistics import MIN_SHARE, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.statistics import (
+    MIN_SHARE,
+    largest_of_second_half,
+    rms,
+    settling_limit,
+    time_to_converge,
+)
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
 from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
@@ -85,7 +90,7 @@ def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
         of_axis[0],
         of_axis[1],
         of_axis[2],
-        converged_s=time_to_converge(t_s, total, min(settling_limit(t_s, total), MAX_SETTLED_DEG)),
+        converged_s=time_to_converge(t_s, total, settling_limit(largest_of_second_half(t_s, total))),
         gyro_bias_rms_rad_s=off,
     )
 

@@ -6,15 +6,18 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+from lie_rigid_body.evaluation.differences import of_runs
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import call_repr, counted, listed, shown
-from lie_rigid_body.league.cases import CASES, REAL, Case
+from lie_rigid_body.league.cases import CASES, MOTIONS, REAL, Case
 from lie_rigid_body.scenario.parameter_file import CONFIG
 from lie_rigid_body.system.bounded_input import load_json, read_text
 
@@ -96,14 +99,22 @@ class FilterRow:
         """Median of the total errors over the cases of a grade, without faults or with, degrees."""
         return float(np.median([self.results[str(c)].total_deg for c in CASES if is_of(c, grade, faults=faults)]))
 
+    @cached_property
+    def of_motions_deg(self) -> Array:
+        """Geometric mean of the total errors over the grades of real sensors, in each motion, degrees."""
+        errors = [[self.results[str(Case(motion, grade))].total_deg for grade in REAL] for motion in MOTIONS]
+        return np.asarray(np.exp(np.log(np.maximum(errors, MIN_DEG)).mean(axis=1)))
+
     @property
     def overall_deg(self) -> float:
         """Geometric mean of the typical errors with the grades of real sensors, degrees: rows are ranked by it."""
         return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), MIN_DEG)) for grade in REAL])))
 
-    def to_json(self) -> dict[str, Any]:
-        """The row as JSON-serialisable data."""
-        return asdict(self)
+    def to_json(self, table: LeagueTable | None = None) -> dict[str, Any]:
+        """The row as JSON-serialisable data, with its rank and its ties in a table, which reading leaves out."""
+        if table is None:
+            return asdict(self)
+        return {**asdict(self), "rank": table.rank(self), "tied": [other.name for other in table.tied(self)]}
 
     @classmethod
     def from_json(cls, content: Any) -> FilterRow:
@@ -115,6 +126,7 @@ class FilterRow:
             If a field or a case is missing, or one is of another kind.
         """
         try:
+            content = {name: value for name, value in content.items() if name not in ("rank", "tied")}
             results = {str(name): CaseResult(**result) for name, result in content["results"].items()}
             row = cls(**{**content, "results": results, "other_readings": tuple(content.get("other_readings", ()))})
             of_cases = [vars(row.results[str(case)]) for case in CASES]
@@ -186,6 +198,18 @@ class LeagueTable:
         """Place of a row, from 1 on, by a number of each row; rows that are alike share the better place."""
         return 1 + sum(of(other) < of(row) for other in self.rows)
 
+    def tied(self, row: FilterRow) -> list[FilterRow]:
+        """Neighbours of a row in rank, up and down, from which it is not shown to differ, best first.
+
+        By pairs of the motions: the geometric means of the errors over the grades of real sensors, at 5 % each.
+        """
+        at = self.rows.index(row)
+        up, down = (
+            [*takewhile(lambda other: not of_runs(row.of_motions_deg, other.of_motions_deg).is_shown, rows)]
+            for rows in (reversed(self.rows[:at]), self.rows[at + 1 :])
+        )
+        return [*reversed(up), *down]
+
     def place(self, row: FilterRow, case: Case) -> int:
         """Place of a row in one case."""
         return self.rank(row, lambda each: each.results[str(case)].total_deg)
@@ -234,14 +258,21 @@ def angle(error_deg: float) -> str:
     return "0" if error_deg < 5e-5 else f"{error_deg:.2g}" if error_deg < 99.5 else f"{error_deg:.0f}"
 
 
+def rank_with_ties(table: LeagueTable, row: FilterRow) -> str:
+    """Rank of a row, and in brackets the ranks between which no difference is shown."""
+    ranks = [table.rank(other) for other in (row, *table.tied(row))]
+    return f"{ranks[0]}" + (f" ({min(ranks)} to {max(ranks)})" if min(ranks) < max(ranks) else "")
+
+
 def standing(table: LeagueTable, row: FilterRow) -> str:
     """Sentences about the place of a row in a table that has it."""
     best, worst = table.best_and_worst(row)
     failed = [name for name, result in row.results.items() if result.failure]
     biases = [result.gyro_bias_rms_rad_s for result in row.results.values() if result.gyro_bias_rms_rad_s is not None]
+    rank = rank_with_ties(table, row)
     sentences = (
-        f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {angle(row.typical_deg('mems'))}° with MEMS "
-        f"sensors, where the Cramér–Rao bound without dynamics is {angle(table.bound.typical_deg('mems'))}°.",
+        f"{row.name} is number {rank} of {len(table.rows)}: {angle(row.typical_deg('mems'))}° with MEMS sensors, "
+        f"where the Cramér–Rao bound without dynamics is {angle(table.bound.typical_deg('mems'))}°.",
         f"It is best at {best} (number {table.place(row, best)}) and worst at {worst} "
         f"(number {table.place(row, worst)}).",
         f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case." if biases else "",

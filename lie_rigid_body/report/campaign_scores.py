@@ -11,7 +11,7 @@ import numpy as np
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary
-from lie_rigid_body.evaluation.differences import Difference
+from lie_rigid_body.evaluation.differences import Difference, fewest_runs
 from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, listed
@@ -89,7 +89,7 @@ def _pairs(comparison: Comparison) -> list[Part]:
     many = counted(len(found), "pair")
     few = f", {runs[0]} where one has a grid" if len(runs) > 1 else ""
     lost = " A run without an answer counts as 180°." * any(one.failed.any() for one in comparison.summaries)
-    least = found[0][2].fewest
+    least = fewest_runs(len(found))
     short = f" At least {least} runs are needed for {many}." if runs[0] < least else ""
     return [
         Table(
@@ -144,6 +144,9 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
             yield from _of_grid(one)
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
+        if one.bias_claimed_exact:
+            runs = counted(one.bias_claimed_exact, "run")
+            yield f"{one.name}: the covariance of the gyro's bias is 0 beside an error in {runs}: give its variance."
         verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
         yield from (f"{one.name}{what}: {v.message}. {v.covered}." for what, v in verdicts.items() if v)
     if bound := comparison.bound:

@@ -12,7 +12,7 @@ from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.examination import degrees
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
-from lie_rigid_body.league.table import angle
+from lie_rigid_body.league.table import angle, rank_with_ties
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
@@ -94,7 +94,8 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> list[Part]:
         Sentences(
             [
                 "RMS of the total error from 30 s on, degrees: medians over the cases of a grade of sensors. Filters "
-                f"are ranked by the geometric mean over the grades of real sensors. Edition {EDITION}.",
+                "are ranked by the geometric mean over the grades of real sensors; in brackets are the ranks between "
+                f"which no difference is shown, by pairs of motions. Edition {EDITION}.",
                 "A star marks filters that see later readings.",
             ]
         ),
@@ -115,7 +116,7 @@ def _cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
 
     A star marks filters that see later readings; the bound has no rank.
     """
-    rank = f"{table.rank(row)}" if row in table.rows else ""
+    rank = rank_with_ties(table, row) if row in table.rows else ""
     errors = (*map(row.typical_deg, GRADES), row.typical_deg("mems", faults=True), row.overall_deg)
     return [row.name + " *" * row.sees_future, rank, *map(angle, errors)]
 

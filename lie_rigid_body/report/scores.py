@@ -12,8 +12,8 @@ import numpy as np
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, Score
-from lie_rigid_body.evaluation.statistics import MIN_LIMIT, Limits, Statistics
+from lie_rigid_body.evaluation.score import BiasEstimate, Score
+from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
@@ -36,7 +36,7 @@ _HEADINGS: Final = (
     "heading",
     "inclination",
     "95 %",
-    "converges",
+    "settles",
     "lag",
     "NEES",
     "gyro bias",
@@ -152,12 +152,12 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
     """Other facts of a score, each a name and a sentence."""
     converged = score.time_to_converge_s
     limit = f"{score.converged_deg:.4g}°"
-    yield (
-        "converged",
-        f"never: the last error is above {limit}"
-        if converged is None
-        else f"{converged:.4g} s after the first, to below {limit}",
-    )
+    if converged is None:
+        yield "converged", f"never: the last error is above {limit}"
+    elif score.settled_deg is None:
+        yield "converged", f"{converged:.4g} s after the first, to below {limit}"
+    else:
+        yield "settles", f"to {in_degrees(score.settled_deg, 3)} or less, {converged:.4g} s after the first"
     if score.lag_s is None:
         yield "lag", "not told by this motion and these errors"
     else:
@@ -177,6 +177,9 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
             yield "remark", score.consistency.remark
     if bias := score.gyro_bias_rad_s:
         yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
+    if score.gyro_bias and (exact := score.gyro_bias.claimed_exact):
+        count = f"{exact} of {counted(len(score.gyro_bias.stamps_ns), 'estimate')}"
+        yield "remark", f"the covariance of the gyro's bias is 0 in {count} that are not exact: give its variance"
     if score.best and score.best.unobserved:
         yield "bound", f"not known: no sensor tells {score.best.unobserved}"
     elif score.best:
@@ -324,7 +327,13 @@ def _draw_total(axes: Axes, score: Score) -> None:
         where = ", far above" if limit > high else ", far below" if limit < low else ""
         axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=f"{name}{where}")
     if score.time_to_converge_s:
-        axes.axvline(score.time_to_converge_s, color=GREEN, lw=1.0, ls="--", label="converged")
+        axes.axvline(
+            score.time_to_converge_s,
+            color=GREEN,
+            lw=1.0,
+            ls="--",
+            label="settled",
+        )
 
 
 def _draw_parts(axes: Axes, score: Score) -> None:

@@ -309,7 +309,8 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         bias = None
         if estimate.gyro_bias is not None:
             given = numbers("gyro_bias", estimate.gyro_bias, 3)
-            bias = BiasEstimate(estimate.t_ns, given, self.gyro_bias_at(estimate.t_ns))
+            truth_of_bias = self.gyro_bias_at(estimate.t_ns)
+            bias = BiasEstimate(estimate.t_ns, given, truth_of_bias, estimate.gyro_bias_covariance)
         sensors = sensor_limits(self.segments, truth, bounded_ns, self.imu.gyro if self.imu else None)
         return score_estimate(estimate, truth, options, sensors, gyro_bias=bias)
 

@@ -20,9 +20,10 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary, Point, _fixed_constants, compare
 from lie_rigid_body.campaign.definition import EstimatorSpec
 from lie_rigid_body.campaign.results import Results
-from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, Row, _bias_series
+from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, Row, _bias_series, _run_score
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.evaluation.differences import of_runs
+from lie_rigid_body.evaluation.ensemble_consistency import NOT_SHOWN
 from lie_rigid_body.report import campaign_scores
 from lie_rigid_body.runs import simulate
 from one_python import asked_here
@@ -182,11 +183,11 @@ def test_pairs_are_compared_on_the_runs_that_both_have(comparison: Comparison) -
     assert len(found) == 15
     pair = found["lost", "two"]
     assert pair.ratio == pytest.approx(0.5)
-    assert (pair.runs, pair.without_answer, pair.smaller) == (RUNS, (2, 0), RUNS - 2)
+    assert (pair.runs, pair.without_answer) == (RUNS, (2, 0))
     assert pair.is_shown
     pair = found["tuned", "two"]
     assert pair.ratio == pytest.approx(4.5)
-    assert (pair.runs, pair.without_answer, pair.smaller) == (RUNS // 2, (0, 0), 0)
+    assert (pair.runs, pair.without_answer) == (RUNS // 2, (0, 0))
     assert pair.is_shown
     pair = found["lost", "tuned"]
     assert (pair.runs, pair.without_answer) == (RUNS // 2, (2, 0))
@@ -207,7 +208,7 @@ def test_pairs_are_a_matrix_and_no_sentences(comparison: Comparison, said: list[
 def test_covariances_are_judged_over_the_runs(comparison: Comparison) -> None:
     found = named(comparison)
     for name, verdict, cause in (
-        ("honest", "honest", ""),
+        ("honest", NOT_SHOWN, ""),
         ("proud", "overconfident", "factor"),
         ("deviations", "conservative", "standard_deviation"),
     ):
@@ -215,7 +216,7 @@ def test_covariances_are_judged_over_the_runs(comparison: Comparison) -> None:
         assert one.covariance is not None
         assert (one.covariance.verdict, one.covariance.cause) == (verdict, cause)
         assert one.gyro_bias is not None
-        assert one.gyro_bias.verdict == "honest"
+        assert one.gyro_bias.verdict == NOT_SHOWN
     assert found["two"].covariance is None
 
 
@@ -384,3 +385,20 @@ def test_a_covariance_of_the_bias_that_is_none_is_refused(P: np.ndarray) -> None
     found = Estimate(run.attitude().at(stamps), stamps, gyro_bias=biases, gyro_bias_covariance=P)
     with pytest.raises(InputError):
         _bias_series(found, run, np.arange(3))
+
+
+def test_a_covariance_of_the_bias_that_is_0_beside_an_error_is_told() -> None:
+    """In the score of a run, and in a campaign, where it is no failure."""
+    run = simulate(duration=1.0, imu_rate=10.0)
+    assert run.imu is not None
+    stamps = run.imu.t_ns
+    attitude = run.attitude().at(stamps)
+    biases = np.asarray(run.imu.gyro_bias)
+    told = []
+    for off, P in ((0.01, np.zeros((3, 3))), (0.0, np.zeros((3, 3))), (0.01, 1e-4 * np.eye(3))):
+        found = Estimate(attitude, stamps, gyro_bias=biases + off, gyro_bias_covariance=P)
+        score = run.score(found)
+        assert score.gyro_bias is not None
+        told.append((score.gyro_bias.claimed_exact, _run_score(found, run, series=True).bias_claimed_exact))
+        assert ("is 0 in 10 of 10" in str(score)) == bool(told[-1][0])
+    assert told == [(10, True), (0, False), (0, False)]

@@ -10,7 +10,7 @@ from scipy.stats import chi2, kstest
 import covariances
 import run_consistency
 from lie_rigid_body.evaluation import attitude_nees, nees
-from lie_rigid_body.evaluation.ensemble_consistency import COVERAGES, ensemble_consistency, mean_bounds
+from lie_rigid_body.evaluation.ensemble_consistency import COVERAGES, NOT_SHOWN, ensemble_consistency, mean_bounds
 from lie_rigid_body.lie import quaternion
 from said import numbers
 from sampled import sampled
@@ -123,7 +123,7 @@ def test_a_nees_of_the_smallest_variances_is_a_number():
     ("wrong", "verdicts", "cause"),
     sampled(
         [
-            ("honest", {"honest"}, ""),
+            ("right", {NOT_SHOWN}, ""),
             ("variance × 1.5", {"conservative"}, "factor"),
             ("variance ÷ 1.5", {"overconfident"}, "factor"),
             ("about the body's axes", {"overconfident"}, "axes"),
@@ -139,7 +139,7 @@ def test_what_is_wrong_is_named(kind, wrong, verdicts, cause):
     found = [covariances.judged(kind, wrong, 1000 + number) for number in range(3)]
     right = [each.verdict in verdicts and each.cause == cause for each in found]
     assert sum(right) >= 2, found  # of the benchmark's 100 campaigns 95 are
-    if not cause and wrong != "honest":
+    if not cause and wrong != "right":
         begins = [interval.begin_s for each in found for interval in each.outside]
         assert np.median(begins) == pytest.approx(covariances.LATE, abs=2.0)
 
@@ -159,7 +159,7 @@ def test_coverage_is_that_of_chi_square():
     found = ensemble_consistency(covariances.TIMES, errors, covariance)
     for share in COVERAGES:
         assert found.coverage[share] == pytest.approx(share, abs=0.04)
-    assert found.passed is (found.verdict == "honest")
+    assert found.passed is (found.verdict == NOT_SHOWN)
 
 
 def test_one_dimension_is_judged_as_well():

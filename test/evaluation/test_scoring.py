@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,12 @@ def test_the_json_has_the_promised_entries():
     assert found["samples"] == len(STAMPS)
     assert found["lag_standard_error_s"] == score.lag_standard_error_s
     assert found["passed"] is False
-    assert found["nees"]["verdict"] == "conservative"
+    assert found["nees"] == {
+        "mean": score.consistency.mean,
+        "expected": 3.0,
+        "inside": score.consistency.share_inside,
+        "remark": "",
+    }
     assert evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("1deg", "10s:3deg"), diagnosed=False).passed
 
 
@@ -158,3 +164,16 @@ def test_no_digits_are_printed_below_round_off_and_the_nanoseconds_of_stamps():
     lines = {line.split()[0]: line.split()[1:] for line in str(score).splitlines() if line}
     assert lines["inclination"] == ["0"] * 5
     assert lines["lag"][0] == "+0"
+
+
+@pytest.mark.parametrize("turn_deg", [0.5, 12.0])
+def test_without_a_limit_an_estimate_settles_to_its_error_and_is_not_said_to_converge(turn_deg):
+    wrong = quaternion.multiply(attitude(MOTION), quaternion.exp(np.radians([0.0, turn_deg, 0.0])))
+    score = evaluate(STAMPS, wrong, truth_of(MOTION), diagnosed=False)
+    assert score.settled_deg == pytest.approx(turn_deg)
+    assert (score.time_to_converge_s, score.to_dict()["settled_deg"]) == (0.0, score.settled_deg)
+    assert re.search(rf"^settles +to {turn_deg:g}° ", str(score), re.MULTILINE)
+    limited = evaluate(STAMPS, wrong, truth_of(MOTION), diagnosed=False, converged_deg=1.0)
+    assert limited.settled_deg is None
+    assert (limited.time_to_converge_s is None) == (turn_deg > 1.0)
+    assert re.search(r"^converged ", str(limited), re.MULTILINE)

@@ -18,7 +18,7 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
 from lie_rigid_body.league.cases import readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
-from lie_rigid_body.league.table import CaseResult, rows_of
+from lie_rigid_body.league.table import CaseResult, rank_with_ties, rows_of
 from lie_rigid_body.runs import Estimate
 from lie_rigid_body.runs.ensemble import BlindRun
 from said import refusals
@@ -90,6 +90,24 @@ def test_ranks_are_by_the_geometric_mean_of_grades():
     assert mixed.overall_deg == pytest.approx(2.0)  # the third root of 1 * 1 * 8
     best, worst = table.with_rows([mixed]).best_and_worst(mixed)
     assert (best.grade, worst.grade) == ("perfect", "mems")
+
+
+def test_rows_are_tied_with_neighbours_from_which_seven_motions_show_no_difference():
+    """With seven pairs the smallest p of the signed-rank test is 2/128, and that of one rank against is 4/128."""
+    draws = np.random.default_rng(1)
+
+    def scattered(name: str, size: float) -> FilterRow:
+        factors = np.exp(0.05 * draws.normal(size=len(CASES)))
+        return row(name, size, **{str(case): size * factor for case, factor in zip(CASES, factors, strict=True)})
+
+    table = LeagueTable((), {}, {}).with_rows([scattered("b", 1.0), scattered("c", 1.001), scattered("a", 0.1)])
+    near, far = table.rows[1:], table.rows[0]
+    assert far.filter == "a"
+    assert [[each.filter for each in table.tied(one)] for one in table.rows] == [[], [near[1].filter], [near[0].filter]]
+    assert [rank_with_ties(table, one) for one in table.rows] == ["1", "2 (2 to 3)", "3 (2 to 3)"]
+    content = near[1].to_json(table)
+    assert (content["rank"], content["tied"]) == (3, [near[0].name])
+    assert FilterRow.from_json(json.loads(json.dumps(content))) == near[1]
 
 
 def test_a_hash_sees_more_than_round_off():

@@ -213,7 +213,7 @@ REFUSED = {
 def summary(**given):
     """An estimator that is compared, of which nothing is told but what is given."""
     entry = EstimatorSpec("tuned", "a:b", parameters={"gain": 1.0}, grid={"gain": [0.1, 1.0]})
-    nothing = {"points": (), "reason": "", "covariance": None, "gyro_bias": None}
+    nothing = {"points": (), "reason": "", "covariance": None, "gyro_bias": None, "bias_claimed_exact": 0}
     return SimpleNamespace(name="tuned", entry=entry, runs=np.arange(4), **{**nothing, **given})
 
 
@@ -248,6 +248,7 @@ SAID = [
     lambda: pairs("ab", 9),
     lambda: pairs("abc", 9, failed=True),
     lambda: pairs("abcd", 7),
+    lambda: compared(summaries=[summary(bias_claimed_exact=3)]),
     lambda: compared(bound=BEST, summaries=[summary(scores=TWICE)]),
     lambda: compared(has_covariances=True, summaries=[summary(covariance=HONEST)], fixed_constants=["gyro_scale"]),
 ]
