@@ -51,16 +51,20 @@ def test_the_series_are_in_the_json_on_request():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("memory", [0.0, 0.95])
-def test_the_standard_error_of_the_lag_is_its_spread(memory):
+@pytest.mark.parametrize(
+    ("motion", "memory", "in_world"),
+    [(MOTION, 0.0, False), (MOTION, 0.95, False), (MOTION, 0.98, True), ("fast_tumble", 0.98, True)],
+)
+def test_the_standard_error_of_the_lag_is_its_spread(motion, memory, in_world):
     """Also of errors that last for a second, far above the time between samples."""
-    true, inner = attitude(MOTION, 0.03), slice(20, -20)
+    true, inner = attitude(motion, 0.03), slice(20, -20)
     causes = [BY_CODE[code] for code in ("heading_offset", "body_mounting", "lagging")]
     off, claimed = [], []
     for seed in range(24):
         draws = np.random.default_rng(seed)
-        estimate = quaternion.multiply(true, quaternion.exp(np.radians(0.5) * correlated(draws, len(STAMPS), memory)))
-        track = Matched(STAMPS[inner], estimate[inner], truth_of(MOTION))
+        error = quaternion.exp(np.radians(0.5) * correlated(draws, len(STAMPS), memory))
+        estimate = quaternion.multiply(error, true) if in_world else quaternion.multiply(true, error)
+        track = Matched(STAMPS[inner], estimate[inner], truth_of(motion))
         fitted = fit([track], [(cause, np.zeros(cause.price)) for cause in causes])
         off.append(fitted[-1][1][0] - 0.03)
         claimed.append(standard_error(track, fitted))
