@@ -323,6 +323,7 @@ def test_a_grid_whose_points_differ_by_luck_alone_has_none_that_is_better(folder
         [one] = compare(campaign, rows).summaries
         shown.append(any(point.difference.is_shown for point in one.points if point.difference))
     assert sum(shown) <= 4
+    assert {point.difference.pairs for point in one.points if point.difference} == {15}
 
 
 def test_the_table_and_the_page_name_every_estimator(folder: Path, said: list[str]) -> None:
@@ -356,8 +357,10 @@ def test_a_finished_campaign_says_the_same_again(
 
 
 def test_an_estimator_that_fails_in_every_run_is_named_after_the_table(
-    folder: Path, said: list[str], capsys: pytest.CaptureFixture[str]
+    folder: Path, said: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """The others run on, also after as many runs as end a campaign in which nobody has a score."""
+    monkeypatch.setattr("lie_rigid_body.cli.campaign_runs.MAX_FAILURES", 2)
     text = TEXT.replace(f"runs: {RUNS}", "runs: 3") + (
         'estimators:\n  right: {function: "compared_estimators:turned", parameters: {degrees: 1}}\n'
         '  never: {function: "compared_estimators:lost", parameters: {in_runs: [0, 1, 2]}}\n'

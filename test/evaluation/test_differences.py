@@ -93,6 +93,7 @@ def test_a_run_without_an_answer_counts_as_half_a_turn():
     assert (found.ratio, found.p) == (other.ratio, other.p)
     assert numbers(found.sentence("a", "b"))[-2:] == [3, 180]
     none = np.full(25, np.nan)
+    assert of_runs(none, np.full(25, 18.0)).ratio == pytest.approx(10.0)
     assert (of_runs(none, none).p, of_runs(none, none).ratio) == (1.0, 1.0)
 
 
