@@ -141,7 +141,7 @@ class Comparison:
     t_s : ndarray, shape (`CURVE`,)
         Times of the curves, s.
     bound : Bound or None
-        That of the first run in which every estimator is scored.
+        That of the first run in which every estimator is scored, but those that fail in all.
     independent : bool
         Whether no two runs have the same noise, without which nothing is said of covariances.
     has_covariances : bool
@@ -300,8 +300,9 @@ def _in_common(first: EstimatorSummary, second: EstimatorSummary) -> tuple[Array
 
 
 def _bound(campaign: Campaign, summaries: Sequence[EstimatorSummary]) -> Bound | None:
-    """The bound in the first run in which every estimator is scored; None if there is none."""
-    runs = set.intersection(*({*one.runs[~one.failed].tolist()} for one in summaries))
+    """The bound in the first run in which every estimator is scored that is in any; None if there is none."""
+    scored = [{*one.runs[~one.failed].tolist()} for one in summaries if not one.failed.all()]
+    runs = set.intersection(*scored) if scored else None
     if not runs:
         return None
     number = min(runs)

@@ -54,8 +54,8 @@ SURE: Final = 8.0
 BLOCKS: Final = 6
 """Number of blocks of a run whose errors count as independent.
 
-Measured over 30 s: errors that are correlated over up to 1 s spread the lag 0.8 to 1.3 times as much as is said, over
-10 s 0.6 to 2.7 times.
+Measured over 30 s: errors that are correlated over up to 1 s spread the lag 0.8 to 1.3 times as much as is said. Those
+of 10 s spread it 0.6 to 2.7 times as much.
 """
 UNSTEADY: Final = 0.25
 """Largest relative difference between the lag of either half of a run and that of the whole run; a drift makes ½."""
@@ -179,10 +179,10 @@ def standard_error(track: Matched, parts: Sequence[Part]) -> float:
     """Standard error of the lag, which is the last of the fitted constants, s.
 
     The largest of three. The jackknife of `BLOCKS` blocks of the run tells how much the lag changes when one is left
-    out, by a step of Newton's method for the weighted fit; errors count as correlated within a block, whatever their
-    spectrum. And the fit gives the lag as a weighted sum of the errors, G · ψ: errors that are shifted cyclically along
-    the run have the same spectrum and no lag, so its root mean square over all shifts counts slow drifts as few. They
-    are shifted on the axes of the body, where a bias is constant, and on those of the world, where a tilt is.
+    out, by a step of Newton's method for the weighted fit. Errors count as correlated within a block, whatever their
+    spectrum. The other two: the fit gives the lag as a weighted sum of the errors, G · ψ. Errors that are shifted
+    cyclically along the run have the same spectrum and no lag. So the root mean square of the sum over all shifts
+    counts slow drifts as few. They are shifted on the axes of the body, where a bias is constant, and of the world.
     """
     J, error, truth = derivative(track, parts)
     size = norm(error)

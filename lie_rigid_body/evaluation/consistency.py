@@ -28,8 +28,8 @@ OTHER_AXES: Final = {"world": "body", "body": "world"}
 FAR: Final = 10.0
 """Ratio of mean and expected NEES, or its inverse, from which on a run alone has a remark.
 
-Measured (benchmarks/run_consistency.py): of right covariances of errors that are correlated over 0.01 to 10 s, in
-runs of 60 s, fewer than 0.1 % have one; where the error is constant 4 % have.
+Measured (benchmarks/run_consistency.py) in runs of 60 s: where errors are correlated over 0.01 to 10 s, fewer than
+0.1 % of right covariances have one. Where the error is constant 4 % have.
 """
 BETTER: Final = 0.25
 """Largest ratio of the logarithm of the relative NEES about the other axes to that about the given ones, for the others
@@ -59,8 +59,8 @@ class Consistency:
         Share of samples between `bounds`.
     probability : float
     remark : str
-        Where the mean is wrong by a factor of `FAR` or more: a sentence with the factor; it names the other axes, of
-        world and body, where the covariance fits about them. Else empty.
+        Where the mean is wrong by a factor of `FAR` or more: a sentence with the factor. Where the covariance fits
+        about the other axes, of world and body, it names them. Else empty.
     """
 
     nees: Array

@@ -16,8 +16,8 @@ them. An estimator that knows the constants has the conditional covariance, give
 small enough for the linearisation.
 
 An estimator that knows the inertia and Euler's equations has a smaller bound. Its state is the error (δ_0, η_0) of the
-attitude and of the body rate at the start, which is constant, and the biases: δ_k and the error η_k of the rate follow
-from it by the exact motion, linearised. The gyro's readings are measurements as others are, and only biases have
+attitude and of the body rate at the start, which is constant, and the biases. The errors δ_k and η_k follow from it by
+the exact motion, linearised. The gyro's readings are measurements as others are, and only biases have
 process noise. As an estimator of the start is one of all times, its covariance by all readings has those of all times.
 
 References
@@ -28,7 +28,7 @@ Transactions on Signal Processing 46 (1998) 1386.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
 from typing import Final, NamedTuple
@@ -45,8 +45,6 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.vectors import norm
-from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion import ClosedForm
 
 MIN_NOISE: Final = 1e-7
 """Smallest standard deviation of a reading, as a share of the vector, in rad or in rad/s.
@@ -254,9 +252,9 @@ def cramer_rao_bound(
 
 def dynamic_bound(
     stamps_ns: Integers,
-    body: RigidBody,
-    start: State,
-    start_ns: int,
+    motion: Callable[[Array, Array], tuple[Array, Array]],
+    attitude_xyzw: Array,
+    body_rate: Array,
     *,
     gyro_noise: float,
     gyro_bias: BiasNoise = NO_BIAS,
@@ -271,9 +269,11 @@ def dynamic_bound(
     ----------
     stamps_ns : ndarray of int64, shape (N,)
         As of `cramer_rao_bound`, as the other parameters are. Linear errors of the sensors are known.
-    body : RigidBody
-    start : State
-        Its true state at ``start_ns``.
+    motion : callable
+        Exact motion from an attitude, shape (4,), and a body rate, shape (3,), at the start. It gives the attitudes,
+        shape (N, 4), and body rates, rad/s, shape (N, 3), at the stamps.
+    attitude_xyzw, body_rate : ndarray, shapes (4,) and (3,)
+        The true ones at the start.
 
     Raises
     ------
@@ -283,7 +283,7 @@ def dynamic_bound(
     readings = np.ones(len(stamps_ns)) if gyro_readings is None else gyro_readings
     gyro = VectorReadings(stamps_ns, np.array([1.0, 0.0, 0.0]), gyro_noise, gyro_bias)
     known = [replace(each, linear_errors=gyro.linear_errors) for each in vectors]
-    truth, turn, rate = _flow(body, start, stamps_ns - start_ns)
+    truth, turn, rate = _flow(motion, attitude_xyzw, body_rate)
     _, Q, H, deviations, _ = _system(stamps_ns, truth, initial, readings, gyro, known, attitudes)
     # the start in the place of the attitude, and readings of the gyro beside those of the vectors
     weight = (np.sqrt(readings) / gyro_noise)[:, np.newaxis, np.newaxis]
@@ -310,28 +310,24 @@ def _joined(left: Array, right: Array) -> Array:
     return np.concatenate([left, right], axis=2)
 
 
-def _flow(body: RigidBody, start: State, t_ns: Integers) -> tuple[Array, Array, Array]:
-    """True attitudes at times since the start, shape (N, 4), and derivatives of attitude and rate by the start's.
+def _flow(
+    motion: Callable[[Array, Array], tuple[Array, Array]], attitude_xyzw: Array, body_rate: Array
+) -> tuple[Array, Array, Array]:
+    """True attitudes, shape (N, 4), and derivatives of attitude and body rate by those of the start, shape (N, 3, 6).
 
-    The derivatives have shape (N, 3, 6), by central differences of the exact motion.
+    By central differences.
     """
     turns = list[Array]()
     rates = list[Array]()
     for off in np.eye(6) * STEP:
         before, after = (
-            ClosedForm(
-                body,
-                State(
-                    quaternion.multiply(start.attitude_xyzw, quaternion.exp(sign * off[:3])),
-                    start.body_rate + sign * off[3:],
-                ),
-            ).at(t_ns)
-            for sign in (-1.0, 1.0)
+            motion(quaternion.multiply(attitude_xyzw, quaternion.exp(step[:3])), body_rate + step[3:])
+            for step in (-off, off)
         )
-        turns.append(relative_rotations(before.attitude_xyzw, after.attitude_xyzw))
-        rates.append(after.body_rate - before.body_rate)
+        turns.append(relative_rotations(before[0], after[0]))
+        rates.append(after[1] - before[1])
     turn, rate = (np.stack(each, axis=2) / (2.0 * STEP) for each in (turns, rates))
-    return ClosedForm(body, start).at(t_ns).attitude_xyzw, turn, rate
+    return motion(attitude_xyzw, body_rate)[0], turn, rate
 
 
 def _bound(

@@ -8,8 +8,8 @@ over time that holds for all times at once comes from resampling whole runs (boo
 Introduction to the Bootstrap, 1993, chapter 12, with the largest deviation over time). What is wrong is named by
 repair: of the covariances that are repaired, the likelier ones without an inconsistency name it.
 
-Measured (benchmarks/covariances.py): of right covariances 3 to 6 % are called inconsistent, with 12, 30 or 100 runs and
-errors that are constant over a run, grow like a random walk, or are stationary. Of covariances that are wrong by the
+Measured (benchmarks/covariances.py): of right covariances 3 to 6 % are called inconsistent, with 12, 30 or 100 runs.
+Their errors are constant over a run, grow like a random walk, or are stationary. Of covariances that are wrong by the
 factor that so many runs are said to show, 47 to 66 % are.
 """
 
@@ -123,7 +123,9 @@ class EnsembleConsistency:
             found = f"{self.factor:.3g} ({low:.3g} to {high:.3g})"
             shown = f"with these {self.runs} runs a factor of {self.factor_shown:.3g} would be"
             return f"No inconsistency shown ({mean}, factor {found}); {shown}"
-        return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
+        if self.verdict == "changing":
+            return f"The covariance is wrong at some times ({mean}): {'; '.join(filter(None, (times, said)))}"
+        return f"The covariance is {self.verdict} ({mean}): {said or times}"
 
     @property
     def covered(self) -> str:

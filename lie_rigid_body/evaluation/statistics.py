@@ -99,7 +99,7 @@ def settling_limit(settled_deg: float) -> float:
     """Limit of `time_to_converge` where none is given: one and a half times the largest error of the second half.
 
     Steady noise hardly ever exceeds it, so the time tells when the error came down to what it is later, whatever that
-    is: at least `MIN_LIMIT` and at most `MAX_SETTLED_DEG`, degrees.
+    is. It is at least `MIN_LIMIT` and at most `MAX_SETTLED_DEG`, degrees.
     """
     return min(max(1.5 * settled_deg, MIN_LIMIT), MAX_SETTLED_DEG)
 

@@ -150,7 +150,8 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
         yield from (f"{one.name}{what}: {v.message}. {v.covered}." for what, v in verdicts.items() if v)
     if bound := comparison.bound:
-        errors = [(one.name, one.scores["total_rms_deg"][one.runs == bound.run][0]) for one in comparison.summaries]
+        known = [one for one in comparison.summaries if not one.failed.all()]
+        errors = [(one.name, one.scores["total_rms_deg"][one.runs == bound.run][0]) for one in known]
         larger = ", ".join(f"{name} {_number(error / bound.rms_deg)}" for name, error in errors)
         yield (
             f"Run {bound.run}: the {WITHOUT_DYNAMICS} is {_number(bound.rms_deg)}° on average over such runs. "
@@ -228,7 +229,7 @@ def _nees_over_time(shown: Sequence[tuple[EstimatorSummary, str]]) -> Iterator[s
 
 def _worst_runs(campaign: Campaign, comparison: Comparison) -> Table:
     """The worst runs of every estimator, each once, with the errors of all and the command that makes it again."""
-    runs = sorted({run for one in comparison.summaries for run in one.worst(3)})
+    runs = sorted({run for one in comparison.summaries if not one.failed.all() for run in one.worst(3)})
     totals = [dict(zip(one.runs.tolist(), one.scores["total_rms_deg"], strict=True)) for one in comparison.summaries]
     rows = [
         (

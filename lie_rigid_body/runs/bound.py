@@ -24,6 +24,8 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.lie.vectors import norm
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorMeasurement
@@ -189,21 +191,26 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
     imu = scenario.sensors.imu
     aids = [*_aids(segment, last_ns)]
 
-    def sensors(indices: Integers) -> dict[str, Any]:
-        """Noise and readings of the sensors, at the IMU's readings of some indices."""
-        return {
-            "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
-            "gyro_bias": BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
-            "vectors": [aid for aid in aids if isinstance(aid, VectorReadings)],
-            "attitudes": [aid for aid in aids if isinstance(aid, AttitudeReadings)],
-            "gyro_readings": np.diff(indices, prepend=-1).astype(np.float64),
-        }
+    sensors: dict[str, Any] = {
+        "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
+        "gyro_bias": BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
+        "vectors": [aid for aid in aids if isinstance(aid, VectorReadings)],
+        "attitudes": [aid for aid in aids if isinstance(aid, AttitudeReadings)],
+    }
+    others = [aid.stamps_ns for aid in aids]
+    indices, few = (_kept(every, others, count) for count in (most, min(most, DYNAMIC)))
+    whole_steps, steps = (np.diff(each, prepend=-1).astype(np.float64) for each in (indices, few))
+    t_ns = every - segment.start_ns
+    start = scenario.start()
 
-    indices, few = (_kept(every, [aid.stamps_ns for aid in aids], count) for count in (most, min(most, DYNAMIC)))
-    start_ns = segment.start_ns
-    truth = scenario.exact_motion().at(every[indices] - start_ns).attitude_xyzw
-    bound = cramer_rao_bound(every[indices], truth, gyro_linear_errors=imu.gyro.linear_errors, **sensors(indices))
-    dynamic = dynamic_bound(every[few], scenario.body(), scenario.start(), start_ns, **sensors(few))
+    def motion(attitude_xyzw: Array, body_rate: Array) -> tuple[Array, Array]:
+        states = ClosedForm(scenario.body(), State(attitude_xyzw, body_rate)).at(t_ns[few])
+        return states.attitude_xyzw, states.body_rate
+
+    truth = scenario.exact_motion().at(t_ns[indices]).attitude_xyzw
+    unknown = imu.gyro.linear_errors
+    bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, gyro_linear_errors=unknown, **sensors)
+    dynamic = dynamic_bound(every[few], motion, start.attitude_xyzw, start.body_rate, gyro_readings=steps, **sensors)
     return replace(bound, dynamic=dynamic)
 
 

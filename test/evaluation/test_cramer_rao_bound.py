@@ -140,8 +140,13 @@ def test_the_dynamic_bound_is_that_of_all_unknowns_of_the_exact_motion():
     turns = derivative(lambda x: (true.inv() * of_start(x)[0]).as_rotvec().ravel())
     covariance = turns @ np.linalg.inv(jacobian.T @ jacobian) @ turns.T
     given: Any = {"gyro_noise": gyro_noise, "gyro_bias": bias, "vectors": [up, north]}
+
+    def motion(attitude_xyzw, body_rate):
+        states = ClosedForm(RigidBody(inertia), State(attitude_xyzw, body_rate)).at(t_ns)
+        return states.attitude_xyzw, states.body_rate
+
     later = [replace(each, stamps_ns=each.stamps_ns + 10**9) for each in (up, north)]
-    found = dynamic_bound(t_ns + 10**9, RigidBody(inertia), start, 10**9, **{**given, "vectors": later})
+    found = dynamic_bound(t_ns + 10**9, motion, start.attitude_xyzw, start.body_rate, **{**given, "vectors": later})
     np.testing.assert_array_equal(found.joint_ns, t_ns + 10**9)
     np.testing.assert_allclose(found.joint, covariance, rtol=0, atol=1e-5 * np.abs(covariance).max())
     blocks = np.array([covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] for k in range(count)])

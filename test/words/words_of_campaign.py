@@ -213,7 +213,14 @@ REFUSED = {
 def summary(**given):
     """An estimator that is compared, of which nothing is told but what is given."""
     entry = EstimatorSpec("tuned", "a:b", parameters={"gain": 1.0}, grid={"gain": [0.1, 1.0]})
-    nothing = {"points": (), "reason": "", "covariance": None, "gyro_bias": None, "bias_claimed_exact": 0}
+    nothing = {
+        "points": (),
+        "reason": "",
+        "covariance": None,
+        "gyro_bias": None,
+        "bias_claimed_exact": 0,
+        "failed": np.zeros(4, dtype=bool),
+    }
     return SimpleNamespace(name="tuned", entry=entry, runs=np.arange(4), **{**nothing, **given})
 
 
