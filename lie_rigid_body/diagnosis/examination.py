@@ -11,7 +11,7 @@ from typing import Any, Final, cast
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.course import NOISE, TINY, Course, courses_of, noise_of
+from lie_rigid_body.diagnosis.course import NOISE, TINY, courses_of, noise_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, Probe, told, with_unit
 from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER, Answer, Job
 from lie_rigid_body.diagnosis.search import MAX_REST, NEAR, Search, Trial, plain
@@ -26,8 +26,6 @@ from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.foundation.wording import MAX_LINE, counted, shortened
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import recording
-from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system.portable import MAX_PROCESSES, cores
 
 MAX_RUNS: Final = 2000
@@ -36,7 +34,7 @@ MAX_RUNS_OF_NODE: Final = 400
 """Default number of runs of a ROS 2 node after which no more repairs are tried: each is a process and takes seconds."""
 WORKERS_OF_NODE: Final = 2
 """Number of processes per core that run a node: most of the time of a run all of them wait for the middleware."""
-LEFT_OUT_OF_NODE: Final = ("converges", "long_run", "covariance")
+LEFT_OUT_OF_NODE: Final = ("converges", "first_attitude", "long_run", "covariance")
 """Probes that are left out for a node, as they need many or long runs."""
 TIMEOUT_S: Final = 60.0
 """Longest time of one run of the filter, s, if the caller does not say."""
@@ -289,7 +287,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         probes += told(search, (row for row in PROBES if row.code not in left_out))
         notes += (
             Note(each.code, f"{each.message}.", each.value)
-            for each in told(search, NOTES)
+            for each in told(search, (row for row in NOTES if row.code not in left_out))
             if each.passed is False and each.value is not None
         )
     except KeyboardInterrupt:
@@ -310,8 +308,6 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
             f"The {degrees(float(np.degrees(search.chosen.error)))} that remain have no name yet: correct what is "
             "named, and diagnose again.",
         ]
-    if errors and not mistakes and plain(search.trials).error > search.floor and not search.courses[0].ramp_s:
-        remarks = [*remarks, _command(search.course, errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(probes),
@@ -353,7 +349,7 @@ def _headline(search: Search, found: Sequence[Situation], probes: Sequence[Probe
 
 def _deaf(search: Search) -> str:
     """Sentence about the sensors that change nothing."""
-    sensors = " and the ".join(search.deaf)
+    sensors = " and the ".join(filter(None, (", the ".join(search.deaf[:-1]), search.deaf[-1])))
     verb = "changes" if len(search.deaf) == 1 else "change"
     if "magnetometer" in search.deaf and not search.is_level:
         return f"The {sensors} {verb} nothing after the first second: the magnetometer sets the first heading alone."
@@ -420,7 +416,7 @@ def _notes(search: Search) -> Iterator[Note]:
     chosen = search.chosen
     if search.deaf:
         yield Note("deaf", _deaf(search), ", ".join(search.deaf))
-    if search.settles_s:
+    if search.settles_s and not search.needs_rest:
         unsettled = " It has not then: longer is not tried." * (search.settles_s >= MAX_REST)
         yield Note(
             "settles",
@@ -460,10 +456,3 @@ def _notes(search: Search) -> Iterator[Note]:
             f"{with_unit(float(np.degrees(other.error)))}.",
             chosen.kind,
         )
-
-
-def _command(course: Course, errors: ErrorOverTime) -> str:
-    """The shortest run on which the filter errs most."""
-    late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
-    parameters = {name: value for name, value in course.scenario.parameters().items() if value != BY_NAME[name].default}
-    return f"It errs most in: {recording('errs.mcap', np.ceil(max(1.0, late)), parameters)}"

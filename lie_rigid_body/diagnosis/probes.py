@@ -29,6 +29,9 @@ GYRO_BIAS: Final = float(np.radians(1.0))
 """Constant error of the gyro, rad/s."""
 VECTOR_ERROR: Final = 0.05
 """Constant error of the accelerometer and of the magnetometer, share of the vector."""
+BIAS_PEAK: Final = (0.5 + 0.5 * 5.0**0.5) ** 0.5
+"""Peak of the response of a steady Kalman filter of an angle and a drifting gyro bias, (√2 s + 1) / (s² + √2 s + 1): it
+enlarges an error of the vectors that turns with the body by this at most."""
 SLOW_RATE: Final = 0.1
 """Body rate of a slow motion with gaps, rad/s."""
 SLOW_RATES: Final = (0.1, 0.05, 0.02)
@@ -235,7 +238,7 @@ def _headings(search: Search) -> list[Course]:
         return []
     level = quaternion.exp(np.radians([3.0, -2.0, 10.0]))
     scenario = _at(search.course, level).scenario
-    return [Headings(scenario, settle_s=max(LEARNING_S, search.settles_s), off=_biased(search)[0].off)]
+    return [Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search)[0].off)]
 
 
 def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:
@@ -315,7 +318,7 @@ def _off_judged(search: Search, answers: Sequence[Answer], sensor: str) -> Judge
     return limited(
         f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis it errs by",
         worst(answers),
-        max(float(np.arcsin(VECTOR_ERROR / _level(search))), _limit(search)),
+        max(BIAS_PEAK * float(np.arcsin(VECTOR_ERROR / _level(search))), _limit(search)),
     )
 
 
@@ -368,6 +371,13 @@ def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
+
+
+def _rests(search: Search) -> list[Course]:
+    """Rests of several lengths before the motion, of a filter that settles at once."""
+    if not search.course.ramp_s or (search.settles_s and not search.needs_rest):
+        return []
+    return [replace(search.course, settle_s=0.0, rest_s=rest_s) for rest_s in _RESTS]
 
 
 def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
@@ -493,7 +503,7 @@ PROBES: Final = (
     ProbeRow("covariance", _noisy_runs, _covariance_judged),
     ProbeRow(
         "needs_rest",
-        lambda s: [] if s.settles_s or not s.course.ramp_s else [replace(s.course, rest_s=rest_s) for rest_s in _RESTS],
+        _rests,
         _rests_judged,
     ),
 )

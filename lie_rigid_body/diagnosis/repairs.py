@@ -475,9 +475,13 @@ def settled_s(stamps_ns: Integers, attitude_xyzw: Array) -> float:
     A second is calm where the mean of its answers is within `STILL` of that of the second before.
     """
     second, first = np.unique(stamps_ns // 10**9, return_index=True)
-    sign = np.sign(np.sum(attitude_xyzw * np.repeat(attitude_xyzw[first], np.diff([*first, len(stamps_ns)]), 0), 1))
-    mean = np.add.reduceat(attitude_xyzw * sign[:, np.newaxis], first, axis=0) if len(first) else np.zeros((0, 4))
-    moved = angles_between(quaternion.normalize(mean[1:]), quaternion.normalize(mean[:-1]))
+    if len(second) <= CALM:
+        return np.inf
+    total = np.add.reduceat(quaternion.to_matrix(attitude_xyzw), first, axis=0)
+    mean = total / np.linalg.norm(total, axis=(1, 2), keepdims=True)
+    moved = np.sqrt(1.5) * np.linalg.norm(
+        np.diff(mean, axis=0), axis=(1, 2)
+    )  # √2 times an angle, for matrices of norm √3
     restless = np.flatnonzero(~(moved <= STILL))
     begin = int(restless[-1]) + 1 if restless.size else 0
     return float(second[begin]) if len(moved) - begin >= CALM else np.inf

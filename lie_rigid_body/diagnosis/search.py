@@ -224,6 +224,8 @@ class Search:
         what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
     unstable_by : str
         The sensor whose correction has the wrong sign, where that is known.
+    needs_rest : bool
+        Whether its answer stands still from the first second on, and it is right only after a longer rest.
     needs_noise : bool
         Whether perfect readings give no answer, and those of tactical sensors do.
     known : dict
@@ -266,7 +268,7 @@ class Search:
         self.deaf: tuple[str, ...] = ()
         self.scatter = self.chatter = self.growth = 0.0
         self.unstable_by = ""
-        self.needs_noise = False
+        self.needs_noise = self.needs_rest = False
         self.known: dict[tuple[Course, Repairs, int], Answer | FilterError] = {}
         self._rests: dict[object, float] = {}
 
@@ -342,6 +344,13 @@ class Search:
             self.courses = tuple(course.free() for course in self.courses)
             self.trials = free
             return
+        if plain(self.trials).error > self.floor and not any(course.settle_s for course in settled):
+            rested = [replace(course, settle_s=FIRST_REST) for course in settled]
+            trials = list(self.fully([()], courses=rested))
+            self.needs_rest = plain(trials).error <= HALVED * plain(self.trials).error
+            if self.needs_rest:
+                settled = rested
+                self.trials = trials
         self.courses = tuple(settled)
         self._compare()
         if plain(self.trials).error > self.floor and not self.is_by_chance:
@@ -367,7 +376,11 @@ class Search:
         key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field)
         if key not in self._rests:
             rest = max(FIRST_REST, self.settles_s)
-            while (settled := self._settled_s(course, rest)) == np.inf and rest < MAX_REST and self._may_go_on():
+            while (
+                (settled := self._settled_s(course, rest)) == np.inf
+                and rest < MAX_REST
+                and self.updates < self.most_updates
+            ):
                 rest = min(2.0 * rest, MAX_REST)
             self._rests[key] = rest if settled else 0.0
         return replace(course, settle_s=self._rests[key])

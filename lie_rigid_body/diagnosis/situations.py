@@ -22,8 +22,12 @@ HEADED: Final = (35.0, 25.0, 70.0)
 """Roll, pitch and yaw of a tilted body that does not look along the world's x axis, degrees."""
 RATE: Final = 1.0
 """Rate about an axis of the body, rad/s."""
+TILT: Final = ": look at the tilt compensation or at the order of the Euler angles"
+"""Hint for a filter that is right only where it is level."""
 RIGHT: Final = 0.1
 """Share of the largest error in any situation up to which a filter is right in one."""
+WRONG: Final = 0.5
+"""Share of it above which it is wrong there."""
 
 
 @short_dataclass(frozen=True)
@@ -95,33 +99,26 @@ def situations(search: Search) -> Iterator[Situation]:
             yield Situation(name, float(np.degrees(answer.error())), is_level=level <= search.floor)
 
 
+RULES: Final = (
+    ("tumbling without magnetometer", "tumbling", "without the magnetometer", "with it"),
+    ("tumbling without accelerometer", "tumbling", "without the accelerometer", "with it"),
+    ("level at rest", "tilted at rest", "at rest and level", "at rest and tilted"),
+    ("tilted at rest", "tilted and headed at rest", "where the body looks along x", "at another heading"),
+)
+"""Situations of which the first is right and the second wrong, and how these are told; the first such pair is told."""
+
+
 def common(found: list[Situation], floor_deg: float) -> str:
-    """Sentence of what the right situations have in common, and the wrong ones; empty where all are alike."""
-    known = {each.name: each.rms_deg for each in found if each.rms_deg is not None}
-    limit = max(floor_deg, RIGHT * max((error for name, error in known.items() if "without" not in name), default=0.0))
-    right = {name: error <= limit for name, error in known.items()}
-    wrong_level = all(each.is_level for each in found if not right.get(each.name, True))
-    alone = ", in its heading alone" * wrong_level
-    about = {axis: right[f"rotating about {axis}"] for axis in "xyz" if f"rotating about {axis}" in right}
-    if all(right.values()) or not any(right.values()):
-        return f"It is wrong in every situation{alone}." if known and not any(right.values()) else ""
-    if not right.get("tumbling") and right.get("tumbling without magnetometer"):
-        return f"It is right without the magnetometer, and wrong with it{alone}."
-    if not right.get("tumbling") and right.get("tumbling without accelerometer"):
-        return f"It is right without the accelerometer, and wrong with it{alone}."
-    if right.get("level at rest") and not right.get("tilted at rest"):
-        return (
-            f"It is right at rest and level, and wrong at rest and tilted{alone}: look at the tilt compensation or at "
-            "the order of the Euler angles."
-        )
-    if right.get("tilted at rest") and not right.get("tilted and headed at rest"):
-        return f"It is right where the body looks along x, and wrong at another heading{alone}."
-    if len(set(about.values())) == 2:
-        said = [" and ".join(axis for axis, good in about.items() if good is wanted) for wanted in (True, False)]
-        return f"It is right in rotations about {said[0]}, and wrong about {said[1]}{alone}."
-    if all(right.get(name) for name in REST) and not any(about.values()):
-        return f"It is right at rest, and wrong in motion{alone}."
-    if all(about.values()) and not right.get("tumbling"):
-        return f"It is right about each axis alone, and wrong in a tumble{alone}."
-    good, bad = (", ".join(name for name, is_right in right.items() if is_right is wanted) for wanted in (True, False))
-    return f"It is right {good}; it is wrong {bad}{alone}."
+    """Sentence of what the right situations have in common, and the wrong ones; empty where none failed."""
+    known = [each for each in found if each.rms_deg is not None]
+    limit = max([floor_deg, *(RIGHT * each.rms_deg for each in known if each.rms_deg and "without" not in each.name)])
+    right = [each.name for each in known if (each.rms_deg or 0.0) <= limit]
+    wrong = [each.name for each in known if (each.rms_deg or 0.0) > WRONG / RIGHT * limit]
+    alone = ", in its heading alone" * all(each.is_level for each in known if each.name in wrong)
+    for good, bad, good_words, bad_words in RULES:
+        if good in right and bad in wrong:
+            hint = TILT if good == "level at rest" else ""
+            return f"It is right {good_words}, and wrong {bad_words}{alone}{hint}."
+    if not right:
+        return f"It is wrong in every situation{alone}."
+    return f"It is right {', '.join(right)}, and wrong {', '.join(wrong)}{alone}." if wrong else ""

@@ -16,7 +16,7 @@ import textbook
 from scipy.spatial.transform import Rotation
 
 import lie_rigid_body
-from lie_rigid_body import InputError
+from lie_rigid_body import ClosedForm, InputError, RigidBody, State
 from lie_rigid_body.cli.diagnose import main
 from lie_rigid_body.cli.league import main as league
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
@@ -361,6 +361,19 @@ def test_more_mistakes_are_named(codes: str) -> None:
     found = diagnose(MORE[codes])
     assert [mistake.code for mistake in found.mistakes] == codes.split()
     assert found.mistakes[-1].rms_deg_after < found.floor_deg
+
+
+@pytest.mark.slow
+def test_filter_that_knows_the_dynamics_is_judged_on_free_motions() -> None:
+    def of_euler(run: Any) -> Any:
+        start = State(textbook.triad(run)[0], run.imu.gyro[0])
+        body = RigidBody(run.scenario.parameters()["inertia"])
+        return ClosedForm(body, start).at(run.imu.t_ns - run.imu.t_ns[0]).attitude_xyzw
+
+    found = diagnose(of_euler, workers=1)
+    assert found.mistakes == ()
+    assert found.rms_deg < found.floor_deg
+    assert not {"headings", "needs_rest"} & {probe.code for probe in found.probes}
 
 
 @pytest.mark.slow
