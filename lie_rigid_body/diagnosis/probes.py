@@ -30,8 +30,8 @@ GYRO_BIAS: Final = float(np.radians(1.0))
 VECTOR_ERROR: Final = 0.05
 """Constant error of the accelerometer and of the magnetometer, share of the vector."""
 BIAS_PEAK: Final = (0.5 + 0.5 * 5.0**0.5) ** 0.5
-"""Peak of the response of a steady Kalman filter of an angle and a drifting gyro bias, (√2 s + 1) / (s² + √2 s + 1): it
-enlarges an error of the vectors that turns with the body by this at most."""
+"""Largest response of a steady Kalman filter of an angle and a gyro bias, (√2 s + 1) / (s² + √2 s + 1). It enlarges an
+error of the vectors that turns with the body by no more."""
 SLOW_RATE: Final = 0.1
 """Body rate of a slow motion with gaps, rad/s."""
 SLOW_RATES: Final = (0.1, 0.05, 0.02)
