@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -10,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.evaluation.arguments import MIN_NORM
-from lie_rigid_body.evaluation.attitudes import in_order
+from lie_rigid_body.evaluation.attitudes import in_order, rising
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.parameters import NS
@@ -61,41 +60,6 @@ def usable(track: AttitudeTrack) -> Booleans:
     finite = np.isfinite(track.attitude_xyzw).all(axis=1)
     norms = quaternion.norm(np.where(finite[:, np.newaxis], track.attitude_xyzw, 0.0))
     return np.asarray(finite & (norms >= MIN_NORM) & np.isfinite(norms))
-
-
-def rising(stamps_ns: Integers) -> Booleans:
-    """Mask of as many stamps as possible that never decrease, without a first or a last one that leaps far away.
-
-    A wrong stamp so costs itself, wherever it leaps to. An end leaps far away if it is farther from its neighbour than
-    all others from each other. The stamps are a longest rising subsequence, found by patience sorting (Fredman,
-    Discrete Mathematics 11:29, 1975).
-    """
-    chosen = np.arange(len(stamps_ns)) if in_order(stamps_ns).all() else _longest_rising(stamps_ns)
-    mask = np.zeros(len(stamps_ns), dtype=np.bool_)
-    mask[chosen] = True
-    for end, rest in ((chosen[:1], chosen[1:]), (chosen[-1:], chosen[:-1])):
-        if len(rest) >= MIN_OF_FRAMES and np.ptp(stamps_ns[chosen]) > 2 * np.ptp(stamps_ns[rest]):
-            others = np.delete(np.arange(len(stamps_ns)), end)
-            mask[end] = False
-            mask[others] = rising(stamps_ns[others])
-            break
-    return mask
-
-
-def _longest_rising(stamps_ns: Integers) -> Integers:
-    """Indices of a longest subsequence of stamps that never decreases."""
-    ends: list[int] = []  # smallest last stamp of the rising sequences of each length
-    places: list[int] = []  # index of that stamp
-    before: list[int] = []
-    for i, stamp in enumerate(stamps_ns.tolist()):
-        length = bisect_right(ends, stamp)
-        before.append(places[length - 1] if length else -1)
-        ends[length : length + 1] = [stamp]
-        places[length : length + 1] = [i]
-    chosen = [places[-1]]
-    while before[chosen[-1]] >= 0:
-        chosen.append(before[chosen[-1]])
-    return np.array(chosen[::-1])
 
 
 def scorable(track: AttitudeTrack) -> tuple[AttitudeTrack, dict[str, Integers]]:

@@ -16,6 +16,7 @@ by arctan2 of the same sides; they differ from the definition by round-off only.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from bisect import bisect_right
 from collections.abc import Callable
 from copy import copy
 from itertools import permutations, product
@@ -202,6 +203,45 @@ def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
     """Mask of the stamps, ns, that are no earlier than any that stands before them, and than `after_ns`."""
     before = stamps_ns[:1] if after_ns is None else np.array([after_ns])
     return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([before, stamps_ns]))[:-1])
+
+
+def rising(stamps_ns: Integers) -> Booleans:
+    """Mask of as many stamps as possible that never decrease, without a first or a last one that leaps far away.
+
+    A wrong stamp so costs itself, wherever it leaps to. An end leaps far away if it is farther from its neighbour than
+    all others from each other.
+    """
+    chosen = longest_rising(stamps_ns)
+    mask = np.zeros(len(stamps_ns), dtype=np.bool_)
+    mask[chosen] = True
+    for end, rest in ((chosen[:1], chosen[1:]), (chosen[-1:], chosen[:-1])):
+        if len(rest) > 2 and np.ptp(stamps_ns[chosen]) > 2 * np.ptp(stamps_ns[rest]):
+            others = np.delete(np.arange(len(stamps_ns)), end)
+            mask[end] = False
+            mask[others] = rising(stamps_ns[others])
+            break
+    return mask
+
+
+def longest_rising(stamps_ns: Integers) -> Integers:
+    """Indices of a longest subsequence of stamps that never decreases.
+
+    It is found by patience sorting (Fredman, Discrete Mathematics 11:29, 1975).
+    """
+    if in_order(stamps_ns).all():
+        return np.arange(len(stamps_ns))
+    ends: list[int] = []  # smallest last stamp of the rising sequences of each length
+    places: list[int] = []  # index of that stamp
+    before: list[int] = []
+    for i, stamp in enumerate(stamps_ns.tolist()):
+        length = bisect_right(ends, stamp)
+        before.append(places[length - 1] if length else -1)
+        ends[length : length + 1] = [stamp]
+        places[length : length + 1] = [i]
+    chosen = [places[-1]]
+    while before[chosen[-1]] >= 0:
+        chosen.append(before[chosen[-1]])
+    return np.array(chosen[::-1])
 
 
 T = TypeVar("T", bound="Truth")

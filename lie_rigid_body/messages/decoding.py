@@ -241,11 +241,14 @@ class FramedNumbers:
     Attributes
     ----------
     stamps_ns : list of int
+    messages : list of int
+        Index of the message that each is from.
     numbers : list of tuple of float
         float64 fields of each message in order: position or translation x y z, attitude x y z w, and what follows.
     """
 
     stamps_ns: list[int] = field(default_factory=list)
+    messages: list[int] = field(default_factory=list)
     numbers: list[tuple[float, ...]] = field(default_factory=list)
 
 
@@ -295,6 +298,7 @@ class _Fields:
         frames = (self._text(), self._text())
         of_frames = found.setdefault(frames, FramedNumbers())
         of_frames.stamps_ns.append(sec * NS + nanosec)
+        of_frames.messages.append(self._index)
         self._at = numbers_after(self._at)
         of_frames.numbers.append(self._unpack(f"{count}d"))
 

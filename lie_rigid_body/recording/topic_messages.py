@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -210,15 +210,23 @@ def value_columns(topic: Topic, field: Field) -> Integers:
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 
 
+Logged = TypeVar("Logged", "TopicMessages", "AttitudeTrack")
+
+
+def in_log_order(messages: Logged) -> Logged:
+    """Messages in the order of their log times, and of their stamps where these are equal."""
+    return messages[np.lexsort((messages.stamps_ns, messages.log_times_ns))]
+
+
 @short_dataclass(frozen=True)
 class AttitudeTrack:
-    """The attitudes of one topic, in file order.
+    """The attitudes of one topic, in file order, or in the order of their log times.
 
     Attributes
     ----------
     topic, message_type : str
-    stamps_ns : ndarray of int64, shape (N,)
-        Those of the headers.
+    stamps_ns, log_times_ns : ndarray of int64, shape (N,)
+        Stamps of the headers; log times, which are 0 for messages of no file.
     attitude_xyzw : ndarray, shape (N, 4)
         As recorded: not normalised, perhaps not finite.
     covariance : ndarray, shape (N, 3, 3), or None
@@ -230,6 +238,7 @@ class AttitudeTrack:
     topic: str
     message_type: str
     stamps_ns: Integers
+    log_times_ns: Integers
     attitude_xyzw: Array
     covariance: Array | None
     frame: str
@@ -242,6 +251,7 @@ class AttitudeTrack:
         return replace(
             self,
             stamps_ns=self.stamps_ns[rows],
+            log_times_ns=self.log_times_ns[rows],
             attitude_xyzw=self.attitude_xyzw[rows],
             covariance=None if self.covariance is None else self.covariance[rows],
         )
@@ -254,13 +264,14 @@ class AttitudeTrack:
         return replace(
             first,
             stamps_ns=np.concatenate([first.stamps_ns, *(part.stamps_ns for part in rest)]),
+            log_times_ns=np.concatenate([first.log_times_ns, *(part.log_times_ns for part in rest)]),
             attitude_xyzw=np.concatenate([first.attitude_xyzw, *(part.attitude_xyzw for part in rest)]),
             covariance=np.concatenate(covariances) if covariances else None,
         )
 
 
 def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frames | None = None) -> AttitudeTrack:
-    """The attitudes of a topic.
+    """The attitudes of a topic in the order in which ``ros2 bag play`` sends them; see `in_log_order`.
 
     Parameters
     ----------
@@ -297,7 +308,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     chosen = found[frames] if frames in found else next(iter(found.values()))
     if not len(chosen):
         raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
-    return chosen
+    return in_log_order(chosen)
 
 
 def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> dict[Frames, AttitudeTrack]:
@@ -336,7 +347,14 @@ def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames
     if message_type in _FRAMED:
         framed = _FRAMED[message_type]([payload for _, payload in found.payloads()])
         return {
-            frames: _track(topic, message_type, np.array(own.stamps_ns, dtype=np.int64), np.array(own.numbers), frames)
+            frames: _track(
+                topic,
+                message_type,
+                np.array(own.stamps_ns, dtype=np.int64),
+                found.log_times_ns[own.messages],
+                np.array(own.numbers),
+                frames,
+            )
             for frames, own in framed.items()
         }
     count, _, covariance = _LAYOUTS[message_type]
@@ -348,17 +366,23 @@ def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames
         gives = read.numbers[:, covariance.start] != NOT_GIVEN
     for i, frame in enumerate(read.frame_ids):
         own = gives & (read.frames == i)
-        tracks[frame, ""] = _track(topic, message_type, read.stamps_ns[own], read.numbers[own], (frame, ""))
+        tracks[frame, ""] = _track(
+            topic, message_type, read.stamps_ns[own], found.log_times_ns[own], read.numbers[own], (frame, "")
+        )
     return tracks
 
 
-def _track(topic: str, message_type: str, stamps_ns: Integers, numbers: Array, frames: Frames) -> AttitudeTrack:
+def _track(
+    topic: str, message_type: str, stamps_ns: Integers, log_times_ns: Integers, numbers: Array, frames: Frames
+) -> AttitudeTrack:
     _, first, fields = _LAYOUTS[message_type]
     covariance = None
     if fields:
         size = math.isqrt(fields.stop - fields.start)
         covariance = numbers[:, fields].reshape(-1, size, size)[:, -3:, -3:]
-    return AttitudeTrack(topic, message_type, stamps_ns, numbers[:, first : first + 4], covariance, *frames)
+    return AttitudeTrack(
+        topic, message_type, stamps_ns, log_times_ns, numbers[:, first : first + 4], covariance, *frames
+    )
 
 
 def _find(path: Path, contents: McapContents, topic: str) -> RawTopic:

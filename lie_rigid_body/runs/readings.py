@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from lie_rigid_body.evaluation.attitudes import longest_rising
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.showing import data_frame
@@ -14,7 +15,7 @@ from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.messages.batch import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import SensorClocks
-from lie_rigid_body.recording.topic_messages import TopicMessages, value_columns
+from lie_rigid_body.recording.topic_messages import TopicMessages, in_log_order, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
 from lie_rigid_body.simulation import Segment, SensorSamples
 
@@ -108,7 +109,10 @@ class SensorArrays:
 
     @classmethod
     def of_recording(cls, sensor: Sensor, recording: Recording, segments: Sequence[Segment]) -> SensorArrays | None:
-        """Make the arrays of the messages of a bag.
+        """Make the arrays of the messages of a bag, in the order in which ``ros2 bag play`` sends them.
+
+        Readings that a recorder heard are left out where they are stamped before one that came earlier, as few as
+        possible.
 
         Parameters
         ----------
@@ -132,8 +136,9 @@ class SensorArrays:
         message_type = sensor.topics[0].message_type
         if name not in found and not models:
             return None
-        first = found.setdefault(name, TopicMessages.none_of(message_type))
         is_heard = not recording.is_original
+        first = in_log_order(found.get(name, TopicMessages.none_of(message_type)))
+        first = found[name] = first[longest_rising(first.stamps_ns)] if is_heard else first
         clocks = SensorClocks(segments, sensor.name)
         arrived_ns = clocks.measured_ns(first.stamps_ns) if is_heard else first.log_times_ns
         declared = {field.array for model in models for topic in sensor.topics for field in told_fields(topic, model)}

@@ -85,8 +85,17 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         """Stamps of the truth, s, shape (N,): doubles, in which times of day are known to 0.2 µs."""
         return self.t_ns / 1e9
 
+    @property
+    def left_out(self) -> dict[str, int]:
+        """Numbers of readings of a bag that were stamped before one that came earlier, by their sensors."""
+        recorded = {} if self._recording is None else self._recording.readings
+        found = {sensor.key: recorded.get(sensor.topics[0].name, ()) for sensor in SENSORS.values()}
+        left_out = {key: len(found[key]) - len(arrays.t_ns) for key, arrays in self.sensors.items()}
+        return {key: count for key, count in left_out.items() if count > 0}
+
     def __repr__(self) -> str:
-        return call_repr(self, {"t_ns": self.t_ns, **self.sensors, "segments": len(self.segments)})
+        left_out = {"left_out": self.left_out} if self.left_out else {}
+        return call_repr(self, {"t_ns": self.t_ns, **self.sensors, "segments": len(self.segments), **left_out})
 
     def __getattr__(self, name: str) -> SensorArrays | None:
         if any(name == sensor.key for sensor in SENSORS.values()):
@@ -112,7 +121,10 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     def from_bag(cls, path: str | Path, *, topics: Mapping[str, str] | None = None) -> Run:
         """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
 
-        Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag. A
+        Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag.
+        Readings are in the order of their log times, as ``ros2 bag play`` sends them, and of their stamps where these
+        are equal; of those that a recorder heard the ones stamped before one that came earlier are left out, and
+        counted in `left_out`. A
         sensor is None if no scenario of the bag declares it, nor its topic is in the bag. One that is declared and
         whose readings are all lost has arrays of none. Of readings the biases are None if ``imu/bias`` is not in the
         bag; a reading whose stamp is not on that topic has the bias NaN.

@@ -76,15 +76,22 @@ def messages(P: np.ndarray, world: str = "world", body: str = "base_link", senso
     }
 
 
-def told(kind: str, how: Make, topic: str, stamps: np.ndarray, attitudes: np.ndarray) -> list[Message]:
-    """Messages of a topic."""
-    pairs = zip(stamps.tolist(), attitudes, strict=True)
-    return [Message(topic, kind, b"", t, t, bytes(STORE.serialize_cdr(how(t, q), kind))) for t, q in pairs]
+def told(
+    kind: str,
+    how: Make,
+    topic: str,
+    stamps: np.ndarray,
+    attitudes: np.ndarray,
+    log_times: np.ndarray | None = None,
+) -> list[Message]:
+    """Messages of a topic, logged at their stamps unless log times are given."""
+    rows = zip((stamps if log_times is None else log_times).tolist(), stamps.tolist(), attitudes, strict=True)
+    return [Message(topic, kind, b"", at, at, bytes(STORE.serialize_cdr(how(t, q), kind))) for at, t, q in rows]
 
 
-def beside(source: Path, path: Path, *topics: tuple[str, Make, str, np.ndarray, np.ndarray], without: str = "") -> Path:
+def beside(source: Path, path: Path, *topics: tuple[Any, ...], without: str = "") -> Path:
     """A bag with all topics of another but one, and with topics of estimates."""
     kept = [message for message in messages_of(source) if message.topic not in without.split()]
-    empty = [(topic, kind) for kind, _, topic, stamps, _ in topics if not len(stamps)]
+    empty = [(topic, kind) for kind, _, topic, stamps, *_ in topics if not len(stamps)]
     path.write_bytes(bag_of([*kept, *(message for each in topics for message in told(*each))], topics=empty))
     return path

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from estimate_messages import beside, messages
-from evaluating import HOW, IMU, ODOMETRY, POSE, P, refused, scored
+from evaluating import HOW, IMU, ODOMETRY, POSE, TF, P, refused, scored
 
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
@@ -154,13 +154,34 @@ def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_pa
 @pytest.mark.usefixtures("undiagnosed")
 def test_what_is_out_of_order_is_left_out_and_counted(own, run, stamps, noisy, tmp_path, capsys):
     order = np.r_[100:125, :125, 125:250]
-    bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    heard = np.arange(len(order)) * 40_000_000
+    bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order], heard))
     content = scored(capsys, bag, "--estimate", "/estimate")
     [note] = content["notes"]
     assert numbers(note) == [25, 275, 4]
     expected = run.score(noisy[:250], stamps[:250], covariance=P).to_dict()
     assert content["total_deg"] == pytest.approx(expected["total_deg"])
     assert content["nees"]["mean"] == pytest.approx(expected["nees"]["mean"])
+
+
+IN_FILE: dict[str, Any] = {
+    "reversed": (np.arange(250)[::-1], lambda stamps: stamps),
+    "swapped neighbours": (np.arange(250).reshape(-1, 2)[:, ::-1].ravel(), lambda stamps: stamps + 10**9),
+    "one log time": (np.random.default_rng(3).permutation(250), np.zeros_like),
+    "few log times": (np.random.default_rng(3).permutation(250), lambda stamps: stamps // 10**9 * 10**9),
+}
+
+
+@pytest.mark.parametrize("kind", [IMU, TF])
+@pytest.mark.parametrize("case", IN_FILE)
+def test_messages_count_in_the_order_of_their_log_times(case, kind, own, stamps, noisy, score, tmp_path, capsys):
+    """As they are played: by log time, of one log time by stamp, whatever their order in the file."""
+    order, logged = IN_FILE[case]
+    t = stamps[order]
+    bag = beside(own, tmp_path / "file.mcap", (kind, HOW[kind], "/estimate", t, noisy[order], logged(t)))
+    content = scored(capsys, bag, "--estimate", "/estimate")
+    assert (content["samples"], content["notes"], content["findings"]) == (250, [], [])
+    assert content["total_deg"]["rms"] == pytest.approx(score.total_deg.rms, rel=1e-12)
 
 
 @pytest.mark.usefixtures("undiagnosed")

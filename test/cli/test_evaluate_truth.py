@@ -143,7 +143,7 @@ def test_limits_are_the_exit_status(bag, capsys):
 
 
 LITTLE: dict[str, Any] = {
-    "reversed": (lambda t, q: (t[::-1], q[::-1]), [1, 250]),
+    "reversed": (lambda t, q: (t[::-1], q[::-1], t), [1, 250]),
     "in microseconds": (lambda t, q: (1000 * t, q), [1, 250]),
     "ends early": (lambda t, q: (t[:6], q[:6]), [0.2, 10]),
 }

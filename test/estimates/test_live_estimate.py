@@ -17,10 +17,11 @@ from test_rewritten_bags import bag_of
 
 from lie_rigid_body import Estimate, InputError, LieRigidBodyError, Run, Scenario
 from lie_rigid_body.estimates import live_estimate
-from lie_rigid_body.estimates.buffers import DISORDERED, UNUSABLE, _longest_rising, rising
+from lie_rigid_body.estimates.buffers import DISORDERED, UNUSABLE
 from lie_rigid_body.estimates.live_estimate import LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits
+from lie_rigid_body.evaluation.attitudes import longest_rising, rising
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import decode_string, encode_string
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE, VECTOR3_STAMPED
@@ -34,6 +35,8 @@ HOW = messages(np.eye(3) * SIZE**2)
 LIMITS = Limits.parse("1deg", ("1s:1.2deg", "100s:1deg"))
 MOTION: dict[str, Any] = {"initial_body_rate": [0.4, 0.6, -0.3], "rate": 25.0, "motion": "closed_form"}
 BIASES = "/estimate/gyro_bias"
+STEP = 40_000_000
+"""Time from one estimate to the next, ns."""
 RESET = "The motion began anew at 3 s, 1 reset in all."
 
 
@@ -64,7 +67,8 @@ def with_estimate(own: Path, stamps: np.ndarray, noisy: np.ndarray, tmp_path: Pa
         t_ns = stamps if t_ns is None else t_ns
         xyzw = noisy[: len(t_ns)] if xyzw is None else xyzw
         bag = tmp_path / f"{len([*tmp_path.iterdir()])}.mcap"
-        return beside(own, bag, (kind, how or HOW[kind], "/estimate", t_ns, xyzw), without=without)
+        heard = t_ns if (np.diff(t_ns) > 0).all() else stamps[0] + STEP * np.arange(len(t_ns))
+        return beside(own, bag, (kind, how or HOW[kind], "/estimate", t_ns, xyzw, heard), without=without)
 
     return write
 
@@ -524,7 +528,7 @@ def test_as_many_stamps_as_possible_are_in_order() -> None:
         best = np.ones(15, dtype=int)
         for i in range(15):
             best[i] += max((best[j] for j in range(i) if stamps[j] <= stamps[i]), default=0)
-        chosen = _longest_rising(stamps)
+        chosen = longest_rising(stamps)
         assert (np.diff(chosen) > 0).all()
         assert (np.diff(stamps[chosen]) >= 0).all()
         assert len(chosen) == best.max()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import foreign_bags
@@ -95,6 +96,33 @@ def test_a_recording_stays_one(library: str, heard: Heard, tmp_path: Path) -> No
     assert written.library.startswith(f"{library}; rewritten by lie_rigid_body ")
     assert written.expected_samples is None
     assert rewritten(target).read_bytes() == target.read_bytes()
+
+
+ORDERS: dict[str, Callable[[list[Message]], list[Message]]] = {
+    "reversed": lambda heard: heard[::-1],
+    "one log time": lambda heard: [m._replace(log_time=1, publish_time=1) for m in heard[::-1]],
+}
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_readings_count_in_the_order_of_their_log_times(order: str, tmp_path: Path) -> None:
+    simulate(duration=0.5, imu_rate=50.0, magnetometer_rate=20.0).to_bag(source := tmp_path / "a.mcap")
+    heard = recorded(source, tmp_path / "heard.mcap", all_of_it)
+    Path(mixed := tmp_path / "mixed.mcap").write_bytes(foreign_bags.bag_of(ORDERS[order](messages_of(heard)), "x"))
+    run, expected = Run.from_bag(mixed), Run.from_bag(heard)
+    assert run.left_out == expected.left_out == {}
+    for name in ("imu", "magnetometer"):
+        for array, wanted in zip(vars(run.sensors[name]).values(), vars(expected.sensors[name]).values(), strict=True):
+            np.testing.assert_array_equal(array, wanted)
+
+
+def test_readings_that_are_stamped_before_one_that_came_are_left_out_and_counted(tmp_path: Path) -> None:
+    simulate(duration=0.5, imu_rate=50.0).to_bag(source := tmp_path / "a.mcap")
+    heard = recorded(source, tmp_path / "heard.mcap", lambda log_time, topic: log_time % 310_000_000 + 30 * NS)
+    run = Run.from_bag(heard)
+    assert run.left_out == {"imu": 9}
+    assert "left_out" in repr(run)
+    np.testing.assert_array_equal(run.sensors["imu"].t_ns, Run.from_bag(source).sensors["imu"].t_ns[:16])
 
 
 def test_what_was_recovered_of_a_bag_is_not_called_whole(tmp_path: Path) -> None:

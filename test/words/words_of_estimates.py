@@ -22,7 +22,7 @@ def left_out(kind):
 
 def track(kind=POSE_STAMPED, frame="world", child="", variances=None):
     covariance = None if variances is None else np.array([np.diag(row) for row in variances])
-    return AttitudeTrack("/x", kind, STAMPS, np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), covariance, frame, child)
+    return AttitudeTrack("/x", kind, STAMPS, STAMPS, np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), covariance, frame, child)
 
 
 def odometry(child="base_link", variances=None):
