@@ -19,11 +19,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         raise InputError("no bag is given: give one; without, 'lie-rigid-body evaluate' follows topics of ROS 2")
     require_room(given)
 
-    from lie_rigid_body.estimates.recorded_estimate import TRUE_TOPICS, recorded_estimate
+    from lie_rigid_body.estimates.recorded_estimate import TRUE_TOPICS, TRUTH, recorded_estimate
     from lie_rigid_body.evaluation import Limits
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
     topics = topic_names(given.topic, TRUE_TOPICS)
+    if given.truth_topic:
+        topics[TRUTH] = given.truth_topic
     with console.progress_of_bags(filter(None, (given.run, given.truth)), passes=len(given.estimate)) as bar:
         reads = [recorded_estimate(given.run, topic, given.truth, topics, bar.update) for topic in given.estimate]
     return answer(given, given.run, [(read, read.score(limits, given.covariance_axes)) for read in reads])

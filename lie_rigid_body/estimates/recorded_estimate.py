@@ -20,9 +20,9 @@ from lie_rigid_body.evaluation.scoring import ScoreOptions, score_estimate
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed
+from lie_rigid_body.foundation.wording import listed, suggestion
 from lie_rigid_body.messages.batch import POSE
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
+from lie_rigid_body.messages.definitions import STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic
@@ -43,6 +43,9 @@ from lie_rigid_body.simulation import Segment
 
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
+TRUTH: Final = "truth"
+"""Name of a topic that tells the truth, of either type."""
+_TYPES: Final[dict[str, Sequence[str]]] = {POSE: ATTITUDE_TYPES, SCENARIO: (STRING,)}
 
 
 @short_dataclass(frozen=True)
@@ -126,11 +129,12 @@ def recorded_estimate(
     bag : str or Path
         An MCAP file, or a rosbag2 folder of them.
     topic : str
-        Of the estimate: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage.
+        Of the estimate, of one of `ATTITUDE_TYPES`.
     truth_bag : str or Path, optional
         The bag with the truth, if it is another one.
     topics : mapping of str to str, optional
-        What `TRUE_TOPICS` are called, by these names. Others are found by their last names.
+        What `TRUE_TOPICS` are called, by these names, or the topic of either type, as `TRUTH`. Others are found by
+        their last names.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last.
 
@@ -206,33 +210,47 @@ def _true_motion(
 
     Of several bodies it is that in the namespace of a topic that is given, or else of the topic `near`.
     """
+    if TRUTH in topics:
+        topics = {**topics, _named(path, contents, topics[TRUTH]): topics[TRUTH]}
+        del topics[TRUTH]
     if estimate_topic in topics.values():
-        raise InputError(f"--topic {estimate_topic}: that is the estimate: name the topic of the truth")
-    given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
+        raise InputError(f"{estimate_topic} is the estimate: name the topic of the truth by --truth")
+    given = {name: given_track(path, contents, name, topic, _TYPES[name]) for name, topic in topics.items()}
     near = next(iter(topics.values()), near)
     others = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
     # a text may be that of another node, which calls something else a scenario
     telling = told_topics(path, contents, [track for track in others if track.message_type == STRING])
     candidates = [track for track in others if track.message_type != STRING or track.key in telling]
-    scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
+    scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
         require_cdr(path, scenario)
         told = read_scenarios(path, contents, scenario)
         segments = tuple(declared_segments((text for _, text in told), f"{path}").values())
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
-    pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)
+    pose = given.get(POSE) or _only(path, candidates, POSE, near)
     if scenario is None and pose is None:
         raise BagError(
-            f"{path} has no truth, neither a topic .../scenario nor .../pose: give the bag that has it by --truth, or "
-            "its topic by --topic pose:=/NAME"
+            f"{path} has no truth, neither a topic .../scenario nor .../pose: give the topic of the truth, or the bag "
+            "that has it, by --truth"
         )
-    return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
+    motion = TrueMotion(segments, None)
+    return motion if pose is None else TrueMotion(segments, read_attitudes(path, contents, pose.topic, motion.frames))
 
 
-def _only(path: Path, tracks: list[RawTopic], ending: str, kind: str, estimate_topic: str) -> RawTopic | None:
-    """The track of a type that `nearest` finds."""
-    found = {t.topic: t for t in tracks if t.message_type == kind}
+def _named(path: Path, contents: McapContents, topic: str) -> str:
+    """Relative name of a topic that is given as the truth: the pose, or the scenario where its messages are texts."""
+    kinds = {track.message_type for track in contents.tracks.values() if track.topic == topic}
+    if not kinds:
+        known = [track.topic for track in contents.tracks.values() if track.message_type in ATTITUDE_TYPES]
+        there = suggestion(topic, known, "topics with attitudes") if known else "no topic has attitudes"
+        raise InputError(f"--truth {topic} is neither a file nor a topic of {path}: {there}")
+    return SCENARIO if STRING in kinds else POSE
+
+
+def _only(path: Path, tracks: list[RawTopic], ending: str, estimate_topic: str) -> RawTopic | None:
+    """The track of a relative name that `nearest` finds."""
+    found = {t.topic: t for t in tracks if t.message_type in _TYPES[ending]}
     try:
         return found.get(nearest(found, ending, estimate_topic) or "")
     except InputError as error:

@@ -1,6 +1,7 @@
 """Decoding of messages of either byte order: into arrays all messages of a topic at once, or those of two frames.
 
-nav_msgs/Odometry and tf2_msgs/TFMessage have two frames, and so no fixed places of fields.
+nav_msgs/Odometry, geometry_msgs/TransformStamped and tf2_msgs/TFMessage have two frames, and so no fixed places of
+fields.
 """
 
 from __future__ import annotations
@@ -262,6 +263,11 @@ def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
     """
     # pose and its covariance, twist and its covariance
     return _decoded(payloads, lambda fields: 1, POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
+
+
+def decode_transform(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
+    """Read geometry_msgs/TransformStamped, by frame and child frame; see `decode_odometry`."""
+    return _decoded(payloads, lambda fields: 1, POSE_NUMBERS)
 
 
 def decode_transforms(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:

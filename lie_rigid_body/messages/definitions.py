@@ -18,6 +18,7 @@ VECTOR3_STAMPED: Final = "geometry_msgs/msg/Vector3Stamped"
 # what only others write
 QUATERNION_STAMPED: Final = "geometry_msgs/msg/QuaternionStamped"
 ODOMETRY: Final = "nav_msgs/msg/Odometry"
+TRANSFORM_STAMPED: Final = "geometry_msgs/msg/TransformStamped"
 TF_MESSAGE: Final = "tf2_msgs/msg/TFMessage"
 
 # Each definition as an MCAP schema wants it: fields only, and the types they are made of by name.

@@ -185,7 +185,7 @@ def _truth(contents: McapContents, scenario: RawTopic, names: Mapping[str, str])
 
 def _tracks(contents: McapContents, topics: Mapping[str, str]) -> Tracks:
     """Tracks of the topics, by their relative names, that are there."""
-    return {name: track for name, topic in topics.items() if (track := _track(contents, name, topic))}
+    return {name: track for name, topic in topics.items() if (track := _track(contents, topic_types()[name], topic))}
 
 
 def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTopic:
@@ -247,15 +247,18 @@ def require_topics(topics: Mapping[str, str]) -> None:
             raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, topic_types(), 'topics of a body')}")
 
 
-def given_track(path: Path, contents: McapContents, name: str, topic: str) -> RawTopic:
-    """The track of a topic that the user named."""
-    track = _track(contents, name, topic)
+def given_track(
+    path: Path, contents: McapContents, name: str, topic: str, kinds: Sequence[str] | None = None
+) -> RawTopic:
+    """The track of a topic that the user named, of the types of its relative name or of others."""
+    kinds = topic_types()[name] if kinds is None else kinds
+    track = _track(contents, kinds, topic)
     if track is not None and track.count:
         return track
     said = "it has no message: record it while the body is published"
     if track is None:
-        types = _types(name)
-        known = [track.topic for track in _of_types(contents, name)]
+        types = " or ".join(map(_last, kinds))
+        known = [track.topic for track in _of_types(contents, name, kinds)]
         others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
         what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
         hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
@@ -263,13 +266,13 @@ def given_track(path: Path, contents: McapContents, name: str, topic: str) -> Ra
     raise ChoiceError(f"{path}: {{choice}}: {said}", name, topic)
 
 
-def _track(contents: McapContents, name: str, topic: str) -> RawTopic | None:
-    found = [track for kind in topic_types()[name] if (track := contents.tracks.get((topic, kind)))]
+def _track(contents: McapContents, kinds: Sequence[str], topic: str) -> RawTopic | None:
+    found = [track for kind in kinds if (track := contents.tracks.get((topic, kind)))]
     return max(found, key=lambda track: track.count, default=None)
 
 
-def _of_types(contents: McapContents, name: str) -> list[RawTopic]:
-    alike = [track for (_, kind), track in contents.tracks.items() if kind in topic_types()[name]]
+def _of_types(contents: McapContents, name: str, kinds: Sequence[str] | None = None) -> list[RawTopic]:
+    alike = [track for (_, kind), track in contents.tracks.items() if kind in (kinds or topic_types()[name])]
     return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS_TOPIC)]  # texts as well
 
 
@@ -313,7 +316,7 @@ def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -
     last = name.removeprefix("~/")
     private = last != name  # of the node, one name below its namespace
     beside = tracks[SCENARIO if private else POSE].topic.rpartition("/")[0]
-    own = _track(contents, name, f"{beside}/{last}")
+    own = _track(contents, topic_types()[name], f"{beside}/{last}")
     poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
     alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
     elsewhere = [t for t in alike if f"{_home(t.topic.removesuffix(last), private=private)}/{POSE}" not in poses]

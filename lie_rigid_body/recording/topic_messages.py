@@ -21,7 +21,7 @@ from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
-from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transforms
+from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transform, decode_transforms
 from lie_rigid_body.messages.definitions import (
     BARE_TWIST,
     IMU,
@@ -30,6 +30,7 @@ from lie_rigid_body.messages.definitions import (
     POSE_WITH_COVARIANCE_STAMPED,
     QUATERNION_STAMPED,
     TF_MESSAGE,
+    TRANSFORM_STAMPED,
     TWIST_STAMPED,
     places,
 )
@@ -41,6 +42,7 @@ TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, BARE_TWIST)
 """Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""
 _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
     ODOMETRY: decode_odometry,
+    TRANSFORM_STAMPED: decode_transform,
     TF_MESSAGE: decode_transforms,
 }
 _LAYOUTS: Final[dict[str, tuple[int, int, slice | None]]] = {
@@ -49,6 +51,7 @@ _LAYOUTS: Final[dict[str, tuple[int, int, slice | None]]] = {
     QUATERNION_STAMPED: (4, 0, None),
     IMU: (37, 0, slice(4, 13)),
     ODOMETRY: (85, 3, slice(7, 43)),
+    TRANSFORM_STAMPED: (7, 3, None),
     TF_MESSAGE: (7, 3, None),
 }
 """Number of float64 fields of a message type, where the attitude begins among them, and which are the covariance.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.command_line import TOPIC_OPTION, Parser, argument, file_name, split_ros_arguments
@@ -36,10 +37,15 @@ _ARGUMENTS: Final = (
         "--estimate",
         metavar="TOPIC",
         action="append",
-        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
-        "several are compared",
+        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry, TransformStamped or "
+        "TFMessage; several are compared",
     ),
-    argument("--truth", metavar="OTHER", type=file_name, help="the bag of the truth, if it is not in RUN"),
+    argument(
+        "--truth",
+        metavar="TOPIC|FILE",
+        type=file_name,
+        help="the topic of the truth in RUN, of the same types, or the bag that has the truth",
+    ),
     TOPIC_OPTION,
     argument("--json", action="store_true", help="print the score for programs"),
     argument("--series", action="store_true", help="with --json: also the errors of every sample"),
@@ -113,6 +119,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         parser.error("the following arguments are required: --estimate")
     if given.estimate and len({topic.lstrip("/") for topic in given.estimate}) < len(given.estimate):
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
+    given.truth_topic = None if given.truth is None or Path(given.truth).exists() else given.truth
+    given.truth = None if given.truth_topic else given.truth
     if given.series and not given.json:
         raise InputError("--series goes only with --json: give both, or leave it out")
     if len(given.max_rms) > 1:

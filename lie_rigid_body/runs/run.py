@@ -122,9 +122,9 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
 
         Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag.
-        Readings are in the order of their log times, as ``ros2 bag play`` sends them, and of their stamps where these
-        are equal; of those that a recorder heard the ones stamped before one that came earlier are left out, and
-        counted in `left_out`. A
+        Readings are in the order of their log times, in which ``ros2 bag play`` sends them, and of their stamps where
+        these are equal. Of those that a recorder heard, `left_out` counts the ones that are stamped before one that
+        came earlier, and are left out. A
         sensor is None if no scenario of the bag declares it, nor its topic is in the bag. One that is declared and
         whose readings are all lost has arrays of none. Of readings the biases are None if ``imu/bias`` is not in the
         bag; a reading whose stamp is not on that topic has the bias NaN.

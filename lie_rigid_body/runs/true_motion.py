@@ -63,7 +63,8 @@ class TrueMotion:
             )
         yield from self._events_of(track)
         # an Imu is stamped with the frame of the sensor (REP-145)
-        world = self.frames[0] if self.frames else self.poses.frame if self.poses is not None else ""
+        own = self.poses if self.poses is not None and self.poses.message_type != IMU else None
+        world = self.frames[0] if self.frames else own.frame if own is not None else track.frame
         ours = {world}
         if track.message_type == IMU and self.segments:
             parameters = self.segments[0].scenario.parameters()

@@ -69,6 +69,7 @@ def messages(P: np.ndarray, world: str = "world", body: str = "base_link", senso
         "nav_msgs/msg/Odometry": lambda t, q: make(
             "nav_msgs/msg/Odometry", header(t, world), body, with_covariance(q, P), still
         ),
+        "geometry_msgs/msg/TransformStamped": lambda t, q: transform(t, q, world, body),
         "tf2_msgs/msg/TFMessage": lambda t, q: make(
             "tf2_msgs/msg/TFMessage",
             [transform(t, np.array([0.0, 0.0, 0.0, 1.0]), "map", "odometer"), transform(t, q, world, body)],

@@ -12,7 +12,7 @@ from estimate_messages import Make, beside, messages, told
 from evaluating import HOW, ODOMETRY, POSE, TF, P, refused, scored
 
 from foreign_bags import bag_of
-from lie_rigid_body import Run
+from lie_rigid_body import Run, SampledTruth, evaluate
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 from said import numbers
@@ -68,6 +68,38 @@ def test_a_truth_of_other_names_is_told_by_topic(own, run, stamps, noisy, tmp_pa
 
 
 MOCAP = (("mocap/truth", 1), ("mocap/other", -1))
+
+
+@pytest.mark.parametrize("kind", list(HOW))
+def test_the_truth_is_of_every_type_that_an_estimate_has(kind, own, run, stamps, noisy, tmp_path, capsys):
+    """As Gazebo gives it in Odometry, and a motion capture system in TransformStamped; a scenario names the frames."""
+    truth = (kind, HOW[kind], "/mocap/body", run.t_ns, run.truth.attitude_xyzw)
+    ours = (POSE, HOW[POSE], "/estimate", stamps, noisy)
+    given = ["--estimate", "/estimate", "--truth", "/mocap/body"]
+    with_frames = beside(own, tmp_path / "frames.mcap", truth, ours, without="/pose /twist")
+    content = scored(capsys, with_frames, *given)
+    assert (content["truth"], content["notes"]) == ("poses and scenario", [])
+    alone = beside(own, tmp_path / "alone.mcap", truth, ours, without="/pose /twist /lie_rigid_body/scenario")
+    if kind == TF:
+        assert "world to base_link" in refused(capsys, alone, *given)
+        return
+    content = scored(capsys, alone, *given)
+    expected = evaluate(stamps, noisy, SampledTruth(run.t_ns, run.truth.attitude_xyzw), diagnosed=False)
+    assert (content["truth"], content["notes"], content["samples"]) == ("poses", [], expected.samples)
+    assert content["total_deg"]["rms"] == pytest.approx(expected.total_deg.rms, rel=1e-12)
+    assert (
+        scored(capsys, alone, given[0], given[1], "--topic", "pose:=/mocap/body")["total_deg"] == content["total_deg"]
+    )
+
+
+def test_a_topic_or_a_file_tells_the_truth(own, stamps, noisy, tmp_path, capsys):
+    bag = beside(own, tmp_path / "one.mcap", (POSE, HOW[POSE], "/estimate", stamps, noisy))
+    given = [bag, "--estimate", "/estimate", "--truth"]
+    by_file = scored(capsys, *given, own)["total_deg"]
+    assert scored(capsys, *given, "/pose")["total_deg"] == by_file
+    assert scored(capsys, *given, "/lie_rigid_body/scenario")["total_deg"]["rms"] == pytest.approx(by_file["rms"])
+    for absent in ("absent.mcap", "/poses", "/twist", "/estimate"):
+        assert absent in refused(capsys, *given, absent)
 
 
 def test_texts_that_another_node_calls_scenario_tell_no_truth(own, stamps, noisy, tmp_path, capsys):
