@@ -13,7 +13,6 @@ Array = npt.NDArray[np.float64]
 
 def estimate(run: Run, gain: float = 0.5) -> Array:
     """Attitudes, shape (N, 4): the gyro integrated, and the vertical of the accelerometer taken with a gain, 1/s."""
-    assert run.imu is not None
     return np.asarray(_attitudes(run.imu.t_ns, run.imu.gyro, run.imu.specific_force, gain))
 
 

@@ -47,7 +47,7 @@ class Readings:
     @classmethod
     def of(cls, run: Run) -> Readings:
         """Those of a run. Where a reading is missing the one before it stands, as in any loop that runs at a rate."""
-        if run.imu is None or run.magnetometer is None:
+        if "imu" not in run.sensors or run.magnetometer is None:
             raise ValueError("a filter of the league needs an IMU and a magnetometer")
         rate = float(str(run.scenario.parameters()["imu_rate"]))
         first, last = run.imu.t_ns[0], run.imu.t_ns[-1]

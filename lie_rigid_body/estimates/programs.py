@@ -213,7 +213,7 @@ def _file() -> BinaryIO:
 
 def _lines(run: Run) -> Iterator[str]:
     """Readings of a run in the order of their stamps; those of one stamp share a line."""
-    imu = run.imu
+    imu = run.sensors.get("imu")
     magnetometer = run.magnetometer
     of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
     of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
@@ -341,7 +341,7 @@ def readings_of(run: Run) -> tuple[Reading, ...]:
         If there is no IMU.
     """
     require_run(run)
-    if run.imu is None:
+    if "imu" not in run.sensors:
         raise InputError("a run without an IMU cannot be played to a node: give imu_rate")
     return tuple(sorted(_readings(run), key=lambda reading: (reading.arrival_ns, reading.sensor == IMU_SENSOR.name)))
 

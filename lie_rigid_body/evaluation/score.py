@@ -172,6 +172,8 @@ class Score(Shown):
         Largest total error of the second half of the run, degrees, where no limit of convergence was given.
     gyro_at_limit : float
         Share of the gyro's readings that are at the limit of its range, from 0 to 1.
+    remarks : tuple of str
+        Sentences that come before the errors.
     """
 
     stamps_ns: Integers
@@ -194,6 +196,7 @@ class Score(Shown):
     of_sensors_deg: float | None = None
     gyro_at_limit: float = 0.0
     settled_deg: float | None = None
+    remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
@@ -258,6 +261,7 @@ class Score(Shown):
             "gyro_bias_rad_s": self.gyro_bias_rad_s and asdict(self.gyro_bias_rad_s),
             "cramer_rao_bound": self.best and self.best.to_json(),
             "findings": [asdict(finding) for finding in self.findings],
+            "remarks": list(self.remarks),
             "broken": list(self.broken),
             "passed": self.passed,
         }

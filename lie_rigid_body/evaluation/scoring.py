@@ -40,6 +40,12 @@ from lie_rigid_body.foundation.wording import in_degrees, shown
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
+NO_GRAVITY: Final = (
+    "The accelerometer of this run reads no gravity (accelerometer_mode: free_fall), so no filter can take the "
+    "vertical from it: give accelerometer_mode pivot_gravity, or a filter that does without it."
+)
+"""Sentence about large errors of the vertical in a run without gravity."""
+
 
 class ScoresEstimates(ABC):
     """Something that scores an estimate against its own truth, as a `Run` does."""
@@ -86,11 +92,14 @@ class SensorLimits:
         mistake.
     gyro_at_limit : float
         Share of the gyro's readings that are at the limit of its range.
+    weightless : bool
+        Whether the accelerometer reads no gravity.
     """
 
     bound: CramerRaoBound | None = None
     left_rad: float = 0.0
     gyro_at_limit: float = 0.0
+    weightless: bool = False
 
 
 def evaluate(
@@ -247,6 +256,7 @@ def score_estimate(
         of_sensors_deg=float(np.degrees(sensors.left_rad)) if of_sensors else None,
         gyro_at_limit=sensors.gyro_at_limit,
         settled_deg=settled_deg,
+        remarks=(NO_GRAVITY,) if sensors.weightless and np.median(inclination) > UNLIKE_DEG else (),
     )
 
 

@@ -74,7 +74,6 @@ def run_of(case: Case, seed: int = SEED) -> Run:
 
 def readings_hash(run: Run) -> str:
     """Hash of the readings of a run, as 16 hexadecimal digits: stamps, and vectors to `RESOLUTION` of their range."""
-    assert run.imu is not None
     assert run.magnetometer is not None
     vectors = (run.imu.gyro, run.imu.specific_force, run.magnetometer.field)
     steps = (np.round(each / (RESOLUTION * np.abs(each).max())) for each in vectors)

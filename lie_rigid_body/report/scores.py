@@ -11,6 +11,7 @@ import numpy as np
 
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
+from lie_rigid_body.evaluation.clock import SIGNIFICANT
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.score import BiasEstimate, Score
 from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Limits, Statistics
@@ -57,12 +58,13 @@ _NARROW: Final = 5.0
 
 def as_text(score: Score) -> str:
     """Lines of a score in arrays, for a terminal."""
-    return answer.as_text([_verdict(score), *tables(score), _findings(score)])
+    return answer.as_text([Sentences(score.remarks), _verdict(score), *tables(score), _findings(score)])
 
 
 def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
     """Answer about the score of an estimate that was read, or of one in arrays."""
     return [
+        Sentences(score.remarks),
         _verdict(score),
         Sentences([summary(score)]),
         Picture(lambda: html_page.picture(lambda width: draw("", score, width))),
@@ -77,6 +79,7 @@ def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
 def parts_of_several(scored: Scored) -> list[Part]:
     """Answer about the scores of several estimates."""
     return [
+        Sentences([*dict.fromkeys(sentence for _, score in scored for sentence in score.remarks)]),
         *(_verdict(score, f"{read.track.topic}: ") for read, score in scored if not score.passed),
         Table(
             _HEADINGS,
@@ -113,7 +116,8 @@ def _verdict(score: Score, name: str = "") -> Conclusion:
 
 def _findings(score: Score, heading: str = "Findings") -> Sentences:
     """Findings under their codes; if there is none, a sentence that says so, with a warning of large errors."""
-    large = score.total_deg.median > MAX_SETTLED_DEG
+    is_late = score.lag_s is not None and abs(score.lag_s) > SIGNIFICANT * (score.lag_standard_error_s or 0.0)
+    large = score.total_deg.median > MAX_SETTLED_DEG and not is_late and not score.remarks
     hint = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
     found = [f"{finding.code}: {finding.message}" for finding in score.findings]
     return Sentences(found, heading, f"No findings{hint * large}.")

@@ -134,7 +134,9 @@ def sensor_limits(
     """
     bound = None if bounded_ns is None else _bound_of_score(segments, min(bounded_ns, truth.last_ns))
     share = 0.0 if gyro is None else at_limit(gyro, segments[0].scenario)
-    return SensorLimits(bound, left_by_errors_of(segments), share)
+    imus = [segment.scenario.sensors.imu for segment in segments]
+    weightless = any(imu is not None and not imu.support for imu in imus)
+    return SensorLimits(bound, left_by_errors_of(segments), share, weightless)
 
 
 def at_limit(gyro: Array, scenario: Scenario) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,11 +40,14 @@ if TYPE_CHECKING:
 
     from lie_rigid_body.certificate import Certificate
 
+IMU: Final = "imu"
+"""Name of the IMU among the sensors of a run."""
+
 
 class _NamedSensors:
     """Sensors that come with the package, for editors: a run finds these and others by their names."""
 
-    imu: SensorArrays | None
+    imu: SensorArrays
     magnetometer: SensorArrays | None
     attitude_sensor: SensorArrays | None
     sun: SensorArrays | None
@@ -60,8 +63,10 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         Stamps of the truth, ns.
     truth : State
         Attitudes world-from-body, scalar last, shape (N, 4), and body rates, rad/s, shape (N, 3).
-    imu, magnetometer, attitude_sensor, sun : SensorArrays or None
-        What each sensor of `SENSORS` read; None where there is no such sensor.
+    imu : SensorArrays
+        What the IMU read; an AttributeError where there is none.
+    magnetometer, attitude_sensor, sun : SensorArrays or None
+        What each other sensor of `SENSORS` read; None where there is no such sensor.
     sensors : mapping of str to SensorArrays
         The sensors that are on, by the same names.
     segments : tuple of Segment
@@ -98,6 +103,8 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         return call_repr(self, {"t_ns": self.t_ns, **self.sensors, "segments": len(self.segments), **left_out})
 
     def __getattr__(self, name: str) -> SensorArrays | None:
+        if name == IMU and name not in self.sensors:
+            raise AttributeError("the run has no IMU: give simulate imu_rate, such as imu_rate=100.0")
         if any(name == sensor.key for sensor in SENSORS.values()):
             return self.sensors.get(name)
         raise AttributeError(f"a run has no {name}")
@@ -323,7 +330,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             given = numbers("gyro_bias", estimate.gyro_bias, 3)
             truth_of_bias = self.gyro_bias_at(estimate.t_ns)
             bias = BiasEstimate(estimate.t_ns, given, truth_of_bias, estimate.gyro_bias_covariance)
-        sensors = sensor_limits(self.segments, truth, bounded_ns, self.imu.gyro if self.imu else None)
+        sensors = sensor_limits(self.segments, truth, bounded_ns, self.imu.gyro if IMU in self.sensors else None)
         return score_estimate(estimate, truth, options, sensors, gyro_bias=bias)
 
     def cramer_rao_bound(self) -> CramerRaoBound | None:
@@ -344,7 +351,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         InputError
             If the scenario declares more than 20 million readings, or a vector or a noise is too small or too large.
         """
-        last = self.t_ns[-1] if self.imu is None else max(self.t_ns[-1:].max(), self.imu.t_ns.max(initial=0))
+        last = max([self.t_ns[-1], *(self.imu.t_ns if IMU in self.sensors else [])])
         return cramer_rao_bound_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
@@ -357,7 +364,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         InputError
             If the run does not tell it, there is no such reading, or a stamp is no integer.
         """
-        imu = self.imu
+        imu = self.sensors.get(IMU)
         bias = np.empty((0, 3)) if imu is None or imu.gyro_bias is None else imu.gyro_bias
         told = np.flatnonzero(np.isfinite(bias).all(axis=1))
         if imu is None or not told.size:
@@ -387,7 +394,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             raise InputError(f"{shown(estimate)} is no Estimate: give Estimate(attitude_xyzw)")
         if estimate.t_ns is not None:
             return estimate
-        of_imu = np.empty(0, dtype=np.int64) if self.imu is None else self.imu.t_ns
+        of_imu = self.imu.t_ns if IMU in self.sensors else self.t_ns[:0]
         for stamps in (of_imu, self.t_ns):
             if len(stamps) == len(estimate):
                 return replace(estimate, t_ns=stamps)

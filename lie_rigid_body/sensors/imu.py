@@ -325,9 +325,9 @@ IMU_SENSOR: Final = Sensor(
         Parameter(
             "accelerometer_mode",
             "string",
-            "free_fall",
-            "Accelerometer: free_fall reads no gravity, pivot_gravity that of a body held at its mass centre.",
-            choices=("free_fall", "pivot_gravity"),
+            "pivot_gravity",
+            "Accelerometer: pivot_gravity reads that of a body held at its mass centre, free_fall none.",
+            choices=("pivot_gravity", "free_fall"),
         ),
         not_negative("gravity", "Standard gravity, against z of the world frame, m/s².", default=9.80665, maximum=1e6),
         numbers(

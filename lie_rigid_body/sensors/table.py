@@ -155,7 +155,8 @@ def without_effect(values: Mapping[str, Value]) -> list[str]:
     """
     usual = {name: parameter.default for name, parameter in SENSORS.parameters.items()}
     usual |= {**GRADES[str(values[GRADE])], GRADE: values[GRADE]}
-    asked = {name for name, value in values.items() if value != usual[name] and name not in frame_parameters()}
+    of_world = {*frame_parameters(), "accelerometer_mode"}  # a scenario tells what world it is without a sensor as well
+    asked = {name for name, value in values.items() if value != usual[name] and name not in of_world}
     faults = fault_switches(SENSORS.parameters.values())
     idle = [(sensor.switch, [p.name for p in sensor.all_parameters if p.name in asked]) for sensor in SENSORS.values()]
     switches = {name: begins for sensor in SENSORS.values() for name, begins in sensor.switches.items()}

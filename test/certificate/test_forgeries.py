@@ -179,7 +179,7 @@ FORGERIES: dict[tuple[str, str], tuple[Change, set[str]]] = {
     ),
     ("scenario", "an unknown name"): (declared(inertial=[1.0, 2.0, 3.0]), {"declaration"}),
     ("scenario", "the sensors' parameters"): (declared(sensor_seed=1), {"gyro", "accelerometer", "magnetometer"}),
-    ("scenario", "those that no reading shows"): (declared(gravity=1.62), CERTIFIED),
+    ("scenario", "those that no reading shows"): (declared(gyro_range=1e3), CERTIFIED),
 }
 
 

@@ -100,7 +100,6 @@ def test_readings_are_those_of_the_path(kind: str) -> None:
     course = courses_of({})[1].of_scenario(gyro_rate=kind)
     readings = readings_of(course)
     imu = readings.run().imu
-    assert imu is not None
     truth = course.at(imu.t_ns)
     assert imu.t_ns[0] == 0
     assert len(imu.t_ns) == len(readings.t_ns) - 2 * MARGIN
@@ -116,7 +115,6 @@ def test_readings_are_those_of_the_path(kind: str) -> None:
 def given(readings: Readings) -> dict[str, Any]:
     """What a filter is given, by name."""
     run = readings.run()
-    assert run.imu is not None
     assert run.magnetometer is not None
     return {"gyro": run.imu.gyro, "specific_force": run.imu.specific_force, "field": run.magnetometer.field}
 

@@ -17,6 +17,7 @@ from test_rewritten_bags import bag_of, recorded
 
 from lie_rigid_body import BagError, ClosedForm, InputError, Run, Scenario
 from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment
 from said import numbers
@@ -147,12 +148,13 @@ def test_the_truth_is_computed_once_for_all_seeds(monkeypatch):
 def test_a_run_without_sensors_and_a_scenario_of_ones_own(tmp_path):
     scenario = Scenario.from_parameters({"rate": 10.0, "epoch_ns": 5})
     run = simulate(scenario, duration=1, inertia=np.array([3.0, 4.0, 5.0]))
-    assert run.imu is None
+    with pytest.raises(AttributeError, match="imu_rate"):
+        assert run.imu
     assert run.magnetometer is None
     assert run.scenario.inertia == (3.0, 4.0, 5.0)
     assert run.t_ns[:2].tolist() == [5, 100_000_005]
     run.to_bag(tmp_path / "a.mcap")
-    assert Run.from_bag(tmp_path / "a.mcap").imu is None
+    assert not hasattr(Run.from_bag(tmp_path / "a.mcap"), "imu")
     file = tmp_path / "p.yaml"
     file.write_text("/**:\n  ros__parameters: {rate: 25.0}\n")
     assert len(simulate(file, duration=1.0).t_ns) == 25
@@ -242,7 +244,7 @@ def test_one_body_of_several_is_chosen_by_its_topics(run, tmp_path):
         Run.from_bag(two)
     first, second = (Run.from_bag(two, topics={"pose": f"/{name}/pose"}) for name in "ab")
     assert [each.tobytes() for each in arrays(first)] == [each.tobytes() for each in arrays(run)]
-    assert second.imu is None  # those of the other body are not its own
+    assert not hasattr(second, "imu")  # those of the other body are not its own
     assert second.certificate().passed
     with pytest.raises(BagError, match=r"/pose"):
         Run.from_bag(two, topics={"pose": "/pose"})
@@ -317,6 +319,19 @@ def test_scores_of_a_run(run):
     assert abs(late.lag_s - 0.004) < 1e-6
     assert run.score(run.truth.attitude_xyzw, diagnosed=False).total_deg.max < 1e-12
     assert run.score(run.truth.attitude_xyzw[::2], run.t_ns[::2]).samples == 20
+
+
+def test_errors_of_the_vertical_in_a_run_without_gravity_are_told_first():
+    """Where the accelerometer reads none: of a default scenario, or where the estimate is right, nothing is said."""
+    for given, told in (({}, 0), ({"accelerometer_mode": "free_fall"}, 1)):
+        run = simulate(duration=4.0, imu_rate=50.0, **given)
+        assert bool(np.abs(run.imu.specific_force).max() > 9.0) is not bool(told)
+        right = run.attitude().at(run.imu.t_ns)
+        tilted = quaternion.multiply(quaternion.exp(np.array([0.5, 0.0, 0.0])), right)
+        assert run.score(right, diagnosed=False).remarks == ()
+        score = run.score(tilted, diagnosed=False)
+        assert len(score.remarks) == told
+        assert str(score).startswith("\n".join(score.remarks))
 
 
 @pytest.mark.parametrize(

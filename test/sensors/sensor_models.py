@@ -49,7 +49,7 @@ def times(count: int) -> np.ndarray:
 
 
 def imu_model(**given: object) -> Any:
-    return sensors_of({"imu_rate": 100.0, **given}).imu
+    return sensors_of({"imu_rate": 100.0, "accelerometer_mode": "free_fall", **given}).imu
 
 
 def magnetometer_model(**given: object) -> Any:

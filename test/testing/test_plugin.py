@@ -196,7 +196,6 @@ def run() -> Run:
 
 
 def stamps(run: Run) -> np.ndarray:
-    assert run.imu is not None
     return run.imu.t_ns
 
 

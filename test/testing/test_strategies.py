@@ -31,7 +31,6 @@ def test_scenarios_simulate(scenario):
     assert isinstance(scenario, Scenario)
     assert scenario.sensor_grade in ("mems", "tactical")
     run = simulate(scenario, duration=0.1)
-    assert run.imu is not None
     assert np.isfinite(run.imu.gyro).all()
     assert len(run.t_ns) == 3
 
