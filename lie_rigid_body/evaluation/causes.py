@@ -145,6 +145,27 @@ def derivative(track: Matched, parts: Sequence[Part]) -> tuple[Array, Array, Arr
     return J, relative_rotations(truth, now.attitude_xyzw), truth
 
 
+def inflations(track: Matched, parts: Sequence[Part]) -> list[float]:
+    """Largest variance inflation factor of each cause's constants by fitting the others beside it; 1 without one.
+
+    Where the body hardly moves, or turns about one axis, it is large: this motion does not tell the constants apart.
+    """
+    J = derivative(track, parts)[0]
+    normal = np.einsum("nia,nib->ab", J, J)
+    found = list[float]()
+    end = 0
+    for cause, _ in parts:
+        own = np.arange(end, end + cause.price)
+        others = np.delete(np.arange(len(normal)), own)
+        end += cause.price
+        alone = normal[np.ix_(own, own)]
+        across = normal[np.ix_(own, others)]
+        left = alone - across @ np.linalg.pinv(normal[np.ix_(others, others)], rcond=1e-10) @ across.T
+        share = np.linalg.eigvals(np.linalg.pinv(alone, rcond=1e-10) @ left).real.min(initial=1.0)
+        found.append(1.0 / max(float(share), 1e-300))
+    return found
+
+
 def weights(norms: Array) -> Array:
     """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians."""
     scale = 3.0 * float(np.median(norms)) if norms.size else 0.0
@@ -356,6 +377,10 @@ CAUSES: Final = (
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
+        remedy=lambda c: (
+            "stamp it with the time of the readings it is made of, or correct the clock of the truth, where that is "
+            "ahead of theirs"
+        ),
         unit="s",
     ),
     Cause(
@@ -366,6 +391,10 @@ CAUSES: Final = (
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
+        remedy=lambda c: (
+            "correct the clock of the truth, where that is late, as by the delay of a motion capture system; or stamp "
+            "the estimate with the end of the last gyro step it contains"
+        ),
         unit="s",
     ),
     Cause(

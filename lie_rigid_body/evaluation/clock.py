@@ -19,6 +19,7 @@ from lie_rigid_body.evaluation.causes import (
     derivative,
     fit,
     fitted_in_time,
+    inflations,
     late,
     undone,
     weights,
@@ -27,6 +28,7 @@ from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FULL,
     LEAD,
+    MAX_INFLATION,
     MAX_LEFT,
     MIN_LATE,
     SHARE,
@@ -59,8 +61,6 @@ of 10 s spread it 0.6 to 2.7 times as much.
 """
 UNSTEADY: Final = 0.25
 """Largest relative difference between the lag of either half of a run and that of the whole run; a drift makes ½."""
-MAX_INFLATION: Final = 10.0
-"""Largest variance inflation factor with which the motion separates a lag from constant turns."""
 MIN_BODY_RATE: Final = 1e-6
 """Least body rate, rad/s, at which the motion determines a lag."""
 MAX_LEFT_BY_CLOCK: Final = float(np.radians(5.0))
@@ -164,15 +164,9 @@ def _unnamed(
 
 
 def _separable(track: Matched, parts: Sequence[Part]) -> bool:
-    """Whether the motion tells the lag, the last constant, apart from the other constants, and the body turns at all.
-
-    Fitting other constants beside the lag multiplies its variance by an inflation factor, which has a limit.
-    """
-    J = derivative(track, parts)[0]
-    normal = np.einsum("nia,nib->ab", J, J)
-    alone = float(normal[-1, -1])
-    shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
-    return bool(alone > MIN_BODY_RATE**2 * len(J) and alone <= MAX_INFLATION * (alone - shared))
+    """Whether the body turns at all, and the motion tells the lag, the last constant, apart from the others."""
+    turns = rms(norm(derivative(track, parts)[0][..., -1])) > MIN_BODY_RATE
+    return turns and inflations(track, parts)[-1] <= MAX_INFLATION
 
 
 def standard_error(track: Matched, parts: Sequence[Part]) -> float:

@@ -15,29 +15,49 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, reduce
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import angles, period_ns
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, or_else, vector
+from lie_rigid_body.evaluation.attitudes import angles, error_vectors, period_ns
+from lie_rigid_body.evaluation.causes import (
+    BY_CODE,
+    Part,
+    fit,
+    heading,
+    inflations,
+    late,
+    or_else,
+    vector,
+)
 from lie_rigid_body.evaluation.matched import (
     NEGLIGIBLE,
     SAMPLES,
+    WINDOW,
     Matched,
     constant_attitude_misfit,
     floored,
     is_single_axis,
+    lags_of_rates,
     products,
 )
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 
-PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
+PRICES: Final = {
+    "heading_offset": 1.25,
+    "world_turned": 2.3,
+    "body_mounting": 2.3,
+    "lag": 1.25,
+    "far": 1.0,
+    "pair": 1.0,
+}
 """Prices of causes with constants, in halved errors; a cause without a constant costs 1.
 
-A far lag, in which the body turns by more than half a turn, has a further price, as there are many.
+A far lag, in which the body turns by more than half a turn, has a further price, as there are many. So has any turn of
+the world with any of the body, which other axes of a gyro make as well.
 """
 MAX_LEFT: Final = float(np.radians(20.0))
 """Largest error that named causes may leave, rad; if one of them has a constant, divided by their number."""
@@ -73,8 +93,14 @@ LAG_TIE: Final = 3.0
 """Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
 FULL: Final = 0.999
 """Share of the longest lag from which on a lag counts as at the limit of the search."""
-HEADING_STARTS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
-"""Starts of the joint fit of heading and mounting: w and z of quaternions of turns about the vertical, 60° apart."""
+MAX_INFLATION: Final = 10.0
+"""Largest variance inflation factor with which the motion tells constants apart."""
+MAX_OF_LEAD: Final = 8000
+"""Largest number of samples by which the error of a lead is computed."""
+BLOCKS: Final = 9
+"""Number of parts of a run in which constants are fitted, to see whether they shrink."""
+SHRUNK: Final = 0.05
+"""Share of a constant by which it shrinks at least in an estimate that converges."""
 
 Turned = tuple[str, ...]
 """Turns of the world and of the body, in the order of undoing."""
@@ -90,9 +116,19 @@ FORMS: Final[tuple[Form, ...]] = tuple(
 """Every chain; the first has no cause."""
 TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
 BOTH: Final = ("heading_offset", "body_mounting")
-"""Turns that are fitted together; `TURNED` are those that are tried."""
+"""Turns that are fitted together, as the heading of a compass and the axes of markers."""
+PAIRS: Final = (BOTH, ("world_turned", "body_mounting"))
+"""Turns of the world and of the body together; `TURNED` are those that are tried alone."""
+_NUMBERS: Final = {
+    "heading_offset": (heading, slice(2)),
+    "world_turned": (vector, slice(4)),
+    "body_mounting": (vector, slice(-4, None)),
+}
+"""Constants of turns by fitted numbers, and where these are among those of an explanation."""
 LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
-"""Turns that are tried together with a lag."""
+"""Turns that are tried together with every lag."""
+BY_RATES: Final = (TURNED[2], *PAIRS)
+"""Turns that are tried together with lags at which the estimate turns as fast as the body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +179,7 @@ class Explanation:
     def cost(self) -> float:
         """Cost in halved errors, which the choice minimises: log₂ of the error left, plus prices."""
         simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + PRICES["far"] * self.far
+        simple += PRICES["pair"] * (self.turned == PAIRS[1])
         # of two that do the same by nature: without other axes of the body, and with the smaller mounting
         simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:
@@ -153,10 +190,7 @@ class Explanation:
     def parts(self) -> list[Part]:
         """The causes of the table with their constants, as fitted so far."""
         forms = [(BY_CODE[code], np.array([float(number)])) for code, number in self.form]
-        turns = [
-            (BY_CODE[code], heading(self.numbers[:2]) if code == "heading_offset" else vector(self.numbers[-4:]))
-            for code in self.turned
-        ]
+        turns = [(BY_CODE[code], _NUMBERS[code][0](self.numbers[_NUMBERS[code][1]])) for code in self.turned]
         return [*forms, *turns, *([] if self.lag_s is None else [late(self.lag_s)])]
 
 
@@ -180,21 +214,59 @@ def _best(forms: Array) -> Array:
     return np.asarray(np.linalg.eigh(forms)[1][..., -1])
 
 
-def _best_of_both(forms: Array, first: Array) -> Array:
-    """Quaternion numbers of a turn about the vertical (2) and of the body (4), fitted alternately, (..., 6)."""
-    G = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4)
-    up = first
+def _best_of_pair(forms: Array, first: Array) -> Array:
+    """Quaternion numbers of a turn of the world (2 or 4) and of the body (4), fitted alternately, (..., 6 or 8)."""
+    G = forms.reshape(*forms.shape[:-2], -1, 4, forms.shape[-1] // 4, 4)
+    world = first
     for _ in range(8):
-        body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
-        up = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
-    return np.concatenate([up, body], axis=-1)
+        body = _best(np.einsum("...i,...k,...ijkl->...jl", world, world, G))
+        world = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
+    return np.concatenate([world, body], axis=-1)
+
+
+def _start_of_pair(forms: Array) -> Array:
+    """Numbers of the turn of the world from which the fit of a pair leaves least, by sums of shape (d, d).
+
+    Starts are the left singular vectors of the best product of any numbers, which is near that of two quaternions.
+    """
+    starts = np.linalg.svd(_best(forms).reshape(-1, 4), full_matrices=False)[0].T
+    return np.asarray(starts[np.argmax(_value(_best_of_pair(forms, starts), forms))])
+
+
+def _largest(turned: Turned, forms: Array) -> Array:
+    """Largest value of fitted numbers for each matrix of sums, shape (..., d, d)."""
+    if turned not in PAIRS:
+        return np.asarray(np.linalg.eigvalsh(forms)[..., -1])
+    return _value(_best_of_pair(forms, _start_of_pair(forms.reshape(-1, *forms.shape[-2:]).mean(axis=0))), forms)
 
 
 def _value(numbers: Array, forms: Array) -> Array:
     """Value cᵀ G c of fitted numbers c; for two turns c is the product of their numbers."""
-    if numbers.shape[-1] == 6:
-        numbers = (numbers[..., :2, np.newaxis] * numbers[..., np.newaxis, 2:]).reshape(*numbers.shape[:-1], 8)
+    if numbers.shape[-1] != forms.shape[-1]:
+        product = numbers[..., :-4, np.newaxis] * numbers[..., np.newaxis, -4:]
+        numbers = product.reshape(*numbers.shape[:-1], -1)
     return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
+
+
+class Choice(NamedTuple):
+    """Choice of an explanation.
+
+    Attributes
+    ----------
+    named : Explanation
+        Without a cause where none is sure.
+    of_sensors : bool
+        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+    at_limit : bool
+        Whether a lag at the limit of the search leaves least: the true one may be longer.
+    converging : bool
+        Whether a constant of the explanation shrinks, as the estimate still converges: nothing is named then.
+    """
+
+    named: Explanation
+    of_sensors: bool
+    at_limit: bool = False
+    converging: bool = False
 
 
 class Evidence:
@@ -210,6 +282,7 @@ class Evidence:
     """
 
     def __init__(self, track: Matched, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
+        self.whole = track
         self.track = track.thinned(SAMPLES)
         self.period_s = period_ns(track.stamps_ns) / 1e9
         self.longest_lag_s = longest_lag_s
@@ -218,6 +291,7 @@ class Evidence:
         self.fastest = float(norm(rate).max())
         self.misfit_of_constant = constant_attitude_misfit(truth)
         self.is_single_axis = is_single_axis(rate)
+        self.root_mean_square_rate = rms(norm(rate))
         # at the leads of a right filter: none, half a sample and one
         self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
         # between neighbours the body turns by a quarter of a radian at most, unless they would be too many
@@ -239,11 +313,9 @@ class Evidence:
         G = base @ T @ base.T
         whole = G.sum(axis=-3)
         others = whole[..., np.newaxis, :, :] - G
-        if turned == BOTH:
-            first = whole.reshape(-1, 8, 8)[0]
-            starts = _best_of_both(first, HEADING_STARTS)
-            best = starts[np.argmax(_value(starts, first)), :2]
-            numbers, crossed = (_best_of_both(sums, best) for sums in (whole, others))
+        if turned in PAIRS:
+            best = _start_of_pair(whole.reshape(-1, *whole.shape[-2:])[0])
+            numbers, crossed = (_best_of_pair(sums, best) for sums in (whole, others))
         else:
             numbers = _best(whole)
             crossed = _best(others)
@@ -272,6 +344,11 @@ class Evidence:
 
     def _with_lag(self, form: Form, turned: Turned) -> Explanation:
         """The explanation with the smallest of the lags that leave about the least error."""
+        if turned in BY_RATES:
+            near = [
+                self._at_lag(form, turned, lag_s, 0.5 * WINDOW / self.fastest) for lag_s in self.lags_of_rates or [0.0]
+            ]
+            return min(near, key=lambda e: floored(e.left).mean())
         lags = self._lags
         cost = self._scanned[form, turned]
         around = np.concatenate([[np.inf], cost, [np.inf]])
@@ -290,10 +367,10 @@ class Evidence:
             three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
             G = base @ self.sums(three) @ base.T
             whole = G.sum(axis=1)
-            shift = _vertex(3.0 - np.linalg.eigvalsh(whole)[:, -1])
+            shift = _vertex(3.0 - _largest(turned, whole))
             lag_s = float(np.clip(three[1] + shift * step, three[0], three[2]))
             step = step / 5.0
-        others = 2.0 - np.linalg.eigvalsh(whole[:, np.newaxis] - G)[..., -1]
+        others = 2.0 - _largest(turned, whole[:, np.newaxis] - G)
         crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
         T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
         left, numbers = self.judged(form, turned, T)
@@ -302,11 +379,18 @@ class Evidence:
         )
 
     @cached_property
+    def lags_of_rates(self) -> list[float]:
+        """The two likeliest lags by how fast the estimate turns, s; see `lags_of_rates`."""
+        return lags_of_rates(self.whole, self.longest_lag_s)[:2]
+
+    @cached_property
     def tried(self) -> list[Explanation]:
         """Explanations that may be the best, the cheapest first."""
         found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
         turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
-        found += [self.get(form, BOTH) for form in list(turnable)[:6]]
+        found += [self.get(form, pair) for form in list(turnable)[:6] for pair in PAIRS]
+        if self.lags_of_rates:
+            found += [self.get(form, turned, late=True) for form in list(turnable)[:2] for turned in BY_RATES]
         lowest = min(e.cost for e in found)
         trials = [
             Explanation(form, turned, np.array([costs.min() - self._slack]), np.zeros(0), 0.0)
@@ -316,18 +400,8 @@ class Evidence:
         found += [self.get(e.form, e.turned, late=True) for e in promising[:8]]
         return sorted(found, key=lambda e: e.cost)
 
-    def choice(self) -> tuple[Explanation, bool, bool]:
-        """Choose the causes of the errors by the one rule.
-
-        Returns
-        -------
-        Explanation
-            What is named, without a cause where none is sure.
-        bool
-            Whether a constant turn was found that is no larger than what the sensors' own errors leave.
-        bool
-            Whether a lag at the limit of the search leaves least: the true one may be longer.
-        """
+    def choice(self) -> Choice:
+        """Choose the causes of the errors by the one rule."""
         plain = self.get()
         of_sensors = False
         allowed = {*BY_CODE, "lag"}
@@ -335,13 +409,62 @@ class Evidence:
             if not allowed.issuperset(e.causes):
                 continue
             if e.lag_s is not None and abs(e.lag_s) > FULL * self.longest_lag_s:
-                return plain, of_sensors, True
+                return Choice(plain, of_sensors, at_limit=True)
             if self.is_needed(e):
-                if not self.is_small(e):
-                    return e, of_sensors, False
+                is_lead = not e.form and self.lead[0] > 0.0 and self.lead[1] <= TIE * max(e.error, NEGLIGIBLE)
+                if not is_lead and not self.is_small(e):
+                    return Choice(e, of_sensors, converging=not self.is_constant(e))
                 allowed = {*e.causes}  # what is left without the small turn is of its other causes
-                of_sensors = self.left_by_sensors > 0.0
-        return plain, of_sensors, False
+                of_sensors |= self.left_by_sensors > 0.0 and not is_lead
+        return Choice(plain, of_sensors)
+
+    @cached_property
+    def lead(self) -> tuple[float, float]:
+        """Error that a filter has which compares readings with the attitude before its gyro step, and what it leaves.
+
+        Such a filter is drawn toward an attitude one sample ahead. Its error is the body rate in the world times the
+        period, low-passed with the time constant of its corrections. That is fitted, with a matrix, as gains about the
+        axes of the world differ. Both are RMS, rad. The first is 0 where the lead is less than half a sample in the
+        mean, more than `LEAD`, or leaves more than `SHARE` of the error.
+        """
+        few = self.whole.thinned(MAX_OF_LEAD)
+        truth, rate = few.truth.states(few.stamps_ns)
+        error = error_vectors(few.attitude_xyzw, truth)
+        settled = slice(len(error) // 4, None)
+        span_s = float(few.stamps_ns[-1] - few.stamps_ns[0]) / 1e9
+        turns = np.fft.rfft(quaternion.rotate(truth, rate) * self.period_s, axis=0)
+        frequency = np.fft.rfftfreq(len(error), span_s / max(len(error) - 1, 1))[:, np.newaxis]
+        before = rms(norm(error[settled]))
+        best = (0.0, before)
+        for tau_s in [0.0, *np.geomspace(self.period_s, max(span_s, self.period_s), 12)]:
+            moved = np.fft.irfft(turns / (1.0 + 2j * np.pi * frequency * tau_s), len(error), axis=0)[settled]
+            share = np.linalg.lstsq(moved, error[settled], rcond=1e-6)[0]
+            led = moved @ share
+            left = rms(norm(error[settled] - led))
+            is_lead = np.trace(share) > 3.0 * MIN_LATE and np.linalg.norm(share, 2) < LEAD
+            if is_lead and left < min(best[1], SHARE * before):
+                best = (rms(norm(led)), left)
+        return best
+
+    def is_constant(self, explanation: Explanation) -> bool:
+        """Whether no constant shrinks from the first third to the last, as in an estimate that still converges.
+
+        The first quarter does not count. Constants are fitted to `BLOCKS` parts of the rest, of which three are a
+        third. One shrinks if the means of these thirds differ by more than 3 standard errors, by the scatter in each.
+        The difference must exceed `SHRUNK` of it, the error that is left, and what the sensors' own errors leave.
+        """
+        settled = np.arange(len(self.track.stamps_ns))[len(self.track.stamps_ns) // 4 :]
+        fits = [fit([self.track[part]], explanation.parts) for part in np.array_split(settled, BLOCKS)]
+        for k, (cause, constants) in enumerate(explanation.parts):
+            if cause.price:
+                turn = self.root_mean_square_rate if cause.unit == "s" else 1.0
+                sizes = np.array([found[k][1] @ constants for found in fits]) * turn / float(np.linalg.norm(constants))
+                first, last = sizes[:3], sizes[-3:]
+                error = 3.0 * np.sqrt((np.var(first, ddof=1) + np.var(last, ddof=1)) / 3.0)
+                shrunk = first.mean() - last.mean()
+                if shrunk > max(error, SHRUNK * first.mean(), explanation.error, self.left_by_sensors):
+                    return False
+        return True
 
     def without(self, explanation: Explanation, cause: str) -> Explanation:
         """The explanation without one of its causes."""
@@ -365,6 +488,9 @@ class Evidence:
             cause.code == "world_turned" and not MIN_TILT < angles(quaternion.exp(c)).inclination < np.pi - MIN_TILT
             for cause, c in explanation.parts
         )
+        many = "world_turned" in explanation.turned and len(explanation.causes) - len(explanation.form) > 1
+        if many and max(inflations(self.track, explanation.parts)) > MAX_INFLATION:
+            return False
         if is_lead or is_level or (explanation.far and left.max() > UNEVEN_QUARTERS**2 * left.min()):
             return False
         shares = dict.fromkeys(explanation.causes, SHARE)
@@ -387,7 +513,8 @@ class Evidence:
     def follows(self) -> bool:
         """Whether up to three causes, sure or not, leave little error: the estimate then follows the body."""
         most = FOLLOWING * self.get().error
-        return any(e.error <= most and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
+        several = [e for e in self.tried if 0 < len(e.causes) <= 3 and e.turned != PAIRS[1]]
+        return any(e.error <= most and e.explains for e in several)
 
     def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
         """The named explanation with a lag added, if its own fit of a lag gives about the same."""

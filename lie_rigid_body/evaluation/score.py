@@ -45,6 +45,24 @@ class Finding:
     rms_deg_after: float
 
 
+@short_dataclass(frozen=True)
+class ScoreNote:
+    """Property of an estimate that is no mistake.
+
+    Attributes
+    ----------
+    code : str
+        ``ahead_by_a_sample``.
+    message : str
+    value : float
+        Size of its effect, degrees.
+    """
+
+    code: str
+    message: str
+    value: float
+
+
 @short_dataclass(frozen=True, eq=False)
 class BiasEstimate:
     """Estimated biases of a gyro beside the true ones, rad/s.
@@ -174,6 +192,7 @@ class Score(Shown):
         Share of the gyro's readings that are at the limit of its range, from 0 to 1.
     remarks : tuple of str
         Sentences that come before the errors.
+    notes : tuple of ScoreNote
     """
 
     stamps_ns: Integers
@@ -197,6 +216,7 @@ class Score(Shown):
     gyro_at_limit: float = 0.0
     settled_deg: float | None = None
     remarks: tuple[str, ...] = ()
+    notes: tuple[ScoreNote, ...] = ()
 
     def __repr__(self) -> str:
         """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
@@ -261,6 +281,7 @@ class Score(Shown):
             "gyro_bias_rad_s": self.gyro_bias_rad_s and asdict(self.gyro_bias_rad_s),
             "cramer_rao_bound": self.best and self.best.to_json(),
             "findings": [asdict(finding) for finding in self.findings],
+            "notes": [asdict(note) for note in self.notes],
             "remarks": list(self.remarks),
             "broken": list(self.broken),
             "passed": self.passed,

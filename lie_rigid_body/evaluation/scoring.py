@@ -16,15 +16,16 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, unit
 from lie_rigid_body.evaluation.attitudes import Truth, period_ns
-from lie_rigid_body.evaluation.causes import Part, fit, late, undone
-from lie_rigid_body.evaluation.clock import Lag, lag_of, other_clock, standard_error
+from lie_rigid_body.evaluation.causes import MIN_COVERED, Part, fit, inflations, late, undone
+from lie_rigid_body.evaluation.clock import SIGNIFICANT, Lag, lag_of, other_clock, standard_error
 from lie_rigid_body.evaluation.consistency import consistency_of
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
-from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
-from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched
-from lie_rigid_body.evaluation.score import BiasEstimate, BoundComparison, Finding, Score
+from lie_rigid_body.evaluation.explanations import LEAD, MAX_INFLATION, PAIRS, SHARE, TIE, Choice, Evidence, Explanation
+from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched, floored, lags_of_rates
+from lie_rigid_body.evaluation.score import BiasEstimate, BoundComparison, Finding, Score, ScoreNote
 from lie_rigid_body.evaluation.statistics import (
+    MIN_LIMIT,
     Limits,
     Statistics,
     Tally,
@@ -39,6 +40,12 @@ from lie_rigid_body.foundation.wording import in_degrees, shown
 
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
+MAX_FAR_S: Final = 10.0
+"""Longest lag that is looked for beside turns of the world and of the body, s: clocks set by hand differ by seconds."""
+MAX_FAR: Final = 3
+"""Number of such lags that are judged: those at which the estimate turns as fast as the body."""
+UNHEARD: Final = 20.0
+"""Number of samples from which on a lag may be that of a filter without a gyro, whose time constant it is then."""
 
 NO_GRAVITY: Final = (
     "The accelerometer of this run reads no gravity (accelerometer_mode: free_fall), so no filter can take the "
@@ -221,11 +228,9 @@ def score_estimate(
     if limit is None:
         settled_deg = largest_of_second_half(t_s, total)
         limit = settling_limit(settled_deg)
-    lag = Lag()
-    causes = tuple[Finding, ...]()
-    of_sensors = False
+    found = Diagnosis()
     if options.diagnosed:
-        lag, causes, of_sensors = diagnose(track, whole, options.longest_lag_s, sensors.left_rad)
+        found = diagnose(track, whole, options.longest_lag_s, sensors.left_rad)
     remarked = (
         *remarks.of_series(stamps, first, estimate.attitude_xyzw, truth),
         *remarks.of_span(whole.stamps_ns, known, truth, due_ns),
@@ -243,9 +248,9 @@ def score_estimate(
         inclination_deg=Statistics.of(inclination),
         time_to_converge_s=time_to_converge(t_s, total, limit),
         converged_deg=limit,
-        lag_s=lag.lag_s,
-        lag_standard_error_s=lag.standard_error_s,
-        findings=(*causes, *(Finding(*remark, statistics.rms) for remark in remarked)),
+        lag_s=found.lag.lag_s,
+        lag_standard_error_s=found.lag.standard_error_s,
+        findings=(*found.findings, *(Finding(*remark, statistics.rms) for remark in remarked)),
         broken=tuple(tally.broken(len(stamps) + left_out, due_ns)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
@@ -253,10 +258,11 @@ def score_estimate(
         gyro_bias=gyro_bias,
         best=None if sensors.bound is None else BoundComparison.of(sensors.bound, track.stamps_ns, statistics.rms),
         limits=options.limits,
-        of_sensors_deg=float(np.degrees(sensors.left_rad)) if of_sensors else None,
+        of_sensors_deg=float(np.degrees(sensors.left_rad)) if found.of_sensors else None,
         gyro_at_limit=sensors.gyro_at_limit,
         settled_deg=settled_deg,
         remarks=(NO_GRAVITY,) if sensors.weightless and np.median(inclination) > UNLIKE_DEG else (),
+        notes=found.notes,
     )
 
 
@@ -270,9 +276,29 @@ def _apart(stamps: Integers, truth: Truth) -> str:
     )
 
 
+@dataclass(frozen=True)
+class Diagnosis:
+    """What explains the errors of an estimate.
+
+    Attributes
+    ----------
+    lag : Lag
+    findings : tuple of Finding
+        Mistakes, and remarks on how it turns.
+    of_sensors : bool
+        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+    notes : tuple of ScoreNote
+    """
+
+    lag: Lag = field(default_factory=Lag)
+    findings: tuple[Finding, ...] = ()
+    of_sensors: bool = False
+    notes: tuple[ScoreNote, ...] = ()
+
+
 def diagnose(
     track: Matched, whole: Matched, longest_lag_s: float | None = None, left_by_sensors: float = 0.0
-) -> tuple[Lag, tuple[Finding, ...], bool]:
+) -> Diagnosis:
     """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 
     Parameters
@@ -285,59 +311,109 @@ def diagnose(
         As given to `evaluate`.
     left_by_sensors : float, optional
         Largest constant turn that the sensors' own errors leave to a right filter, rad.
-
-    Returns
-    -------
-    Lag
-    tuple of Finding
-        Mistakes, and remarks on how it turns.
-    bool
-        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
     """
     stamps = track.stamps_ns
-    truth = track.truth
     turned = remarks.Turns(track)
     error = np.degrees(track.error().total)
     unlike = bool(np.median(error) > UNLIKE_DEG)
     sure = (turned.stuck() or turned.mixed()) if rms(error) > UNLIKE_DEG else None
     if sure:  # of fast turns every sample jumps
         remark = (turned.other() if sure.code == "mixed" else None) or sure
-        return Lag(), (Finding(*remark, rms(error)),), False
+        return Diagnosis(findings=(Finding(*remark, rms(error)),))
     longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, float(stamps[-1] - stamps[0]) / 4e9)
-    margin = round(longest_s * 1e9)
-    inner = track[truth.covers(stamps - margin) & truth.covers(stamps + margin)]
-    evidence = Evidence(inner, longest_s, left_by_sensors) if len(inner.stamps_ns) >= MIN_SAMPLES else None
-    named, of_sensors, at_limit = evidence.choice() if evidence else (None, False, False)
+    evidence = _evidence(track, longest_s, left_by_sensors)
+    choice = evidence.choice() if evidence else None
+    named = choice.named if choice else None
     causes = {*named.causes} if named else set[str]()
+    at_limit = bool(choice and choice.at_limit)
     lost = unlike and not causes and not (evidence and evidence.follows())
     # a motion that nearly repeats has a near lag or a turn for each far lag
     near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
     beyond_s = 0.9 * longest_s if longest_lag_s is None else np.inf
     other = other_clock(whole, beyond_s, rates=lost) if lost or near or at_limit else None
-    most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
+    most = (TIE if "lag" in causes or named.turned == PAIRS[1] else 0.5) * named.error if named and near else np.inf
     if other and rms(other[1].error().total) <= most:
         part, moved = other
         after = np.degrees(moved.error().total)
         lag = Lag() if part[0].code == "clock_rate" else Lag(float(part[1][0]), standard_error(moved, [late(0.0)]))
-        return lag, (_finding(part, _errors(whole, []), after, whole.known()),), False
-    if not evidence or not named:
-        return Lag(), (), False
-    lag = Lag() if at_limit else lag_of(inner, named, longest_s, period_ns(stamps) / 1e9)
+        return Diagnosis(lag, (_finding(part, _errors(whole, []), after, whole.known()),))
+    if named and (lost or near or at_limit) and beyond_s < np.inf:
+        far = _far(whole, named, longest_s, left_by_sensors)
+        if far:
+            return far
+    if not evidence or not choice or not named:
+        return Diagnosis()
+    if choice.converging:
+        return Diagnosis(of_sensors=choice.of_sensors)
+    lag = Lag() if at_limit else lag_of(evidence.whole, named, longest_s, evidence.period_s)
     named = named if lag.lag_s is None or not lag.sure else evidence.with_lag(named, lag.lag_s)
-    told = _in_words(track, evidence, named) if named.causes else ()
+    told = _in_words(track, evidence, named, named.parts) if named.causes else ()
     # a gyro on other axes is the same map as three conventions and a turned world, and has the simpler name
-    many = len(told) > (1 if "world_turned" in named.turned else 2)
+    many = len(named.form) + len(named.turned) > (1 if "world_turned" in named.turned else 2)
+    if named.turned == PAIRS[1] and (named.lag_s is not None or error[0] > UNLIKE_DEG):
+        many = False  # a filter whose gyro is on other axes begins right
     instead = turned.other() if (lost and not told) or many else None
-    return lag, (Finding(*instead, rms(error)),) if instead else told, of_sensors
+    notes = _ahead(evidence, choice, lag)
+    return Diagnosis(lag, (Finding(*instead, rms(error)),) if instead else told, choice.of_sensors, notes)
 
 
-def _in_words(track: Matched, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:
+def _evidence(track: Matched, longest_s: float, left_by_sensors: float) -> Evidence | None:
+    """The evidence of the samples that stay within the truth's times by any lag; None of too few."""
+    margin = round(longest_s * 1e9)
+    stamps = track.stamps_ns
+    inner = track[track.truth.covers(stamps - margin) & track.truth.covers(stamps + margin)]
+    return Evidence(inner, longest_s, left_by_sensors) if len(inner.stamps_ns) >= MIN_SAMPLES else None
+
+
+def _far(whole: Matched, named: Explanation, longest_s: float, left_by_sensors: float) -> Diagnosis | None:
+    """A lag beyond the longest one, with what else there is by that: turns of the world or of the body; else None.
+
+    It must leave a third of the error in each quarter, at most, beside what is named without it. Of lags that do about
+    as well, as of a motion that repeats, the smallest counts.
+    """
+    found = list[tuple[float, Evidence, Explanation]]()
+    for lag_s in lags_of_rates(whole, MAX_FAR_S)[:MAX_FAR]:
+        moved = undone(whole, [late(lag_s)]).known()
+        enough = abs(lag_s) > 0.9 * longest_s and len(moved.stamps_ns) >= MIN_COVERED * len(whole.stamps_ns)
+        evidence = _evidence(moved, longest_s, left_by_sensors) if enough else None
+        best = evidence.choice().named if evidence else named
+        if evidence and best.explains and np.all(floored(best.left) <= SHARE**2 * floored(named.left)):
+            found.append((lag_s, evidence, best))
+    if not found:
+        return None
+    least = min(best.cost for _, _, best in found)
+    lag_s, evidence, best = min((each for each in found if each[2].cost <= least + 1.0), key=lambda each: abs(each[0]))
+    parts = [*(part for part in best.parts if part[0].unit != "s"), late(lag_s + (best.lag_s or 0.0))]
+    if max(inflations(evidence.track, [*parts[:-1], late(best.lag_s or 0.0)])) > MAX_INFLATION:
+        return None
+    near = lag_of(evidence.whole, best, longest_s, evidence.period_s)
+    lag = Lag(lag_s + near.lag_s, near.standard_error_s) if near.lag_s is not None else Lag()
+    return Diagnosis(lag, _in_words(whole, evidence, best, parts))
+
+
+def _ahead(evidence: Evidence, choice: Choice, lag: Lag) -> tuple[ScoreNote, ...]:
+    """The note on a filter that compares readings with the attitude before the gyro's step, where the lead shows."""
+    lag_s = lag.lag_s or 0.0
+    is_lead = -LEAD * evidence.period_s <= lag_s < -SIGNIFICANT * (lag.standard_error_s or 0.0)
+    by_lag = -lag_s * evidence.root_mean_square_rate if is_lead else 0.0
+    turn = float(np.degrees(by_lag or (0.0 if choice.named.causes else evidence.lead[0])))
+    if turn <= MIN_LIMIT:
+        return ()
+    message = (
+        f"The filter compares readings with the attitude before its gyro step, as most do: its estimate is ahead by up "
+        f"to a sample, {in_degrees(turn, 3)}. It is no mistake; with the readings one sample later it vanishes."
+    )
+    return (ScoreNote("ahead_by_a_sample", message, turn),)
+
+
+def _in_words(
+    track: Matched, evidence: Evidence, named: Explanation, parts: Sequence[Part], most: int = 2000
+) -> tuple[Finding, ...]:
     """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
     Their constants are fitted to `most` samples. Nothing is said if the errors of all samples grow when all causes are
     undone, as where most are of something else.
     """
-    parts = named.parts
     few = track.fraction(0.25).thinned(most)
     rest = fit([few[few.truth.covers(undone(few, parts).stamps_ns)]], parts)
     found = list[Finding]()
@@ -350,7 +426,8 @@ def _in_words(track: Matched, evidence: Evidence, named: Explanation, most: int 
         rest = [part for part in rest if part is not nearest]
         done.append(nearest)
         errors.append(_errors(track, done))
-        others = evidence.instead_of(named, "lag" if nearest[0].code in {"lagging", "leading"} else nearest[0].code)
+        code = "lag" if nearest[0].unit == "s" else nearest[0].code
+        others = evidence.instead_of(named, code) if code in named.causes else ()
         found.append(_finding(nearest, errors[-2], errors[-1], track, others))
     return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
 
@@ -365,8 +442,12 @@ def _finding(part: Part, before: Array, after: Array, track: Matched, instead: S
     (cause, constants) = part
     others = [name.replace("_", " ") for name in instead]
     fact, _, deed = cause.fact(constants).partition(": ")
+    remedy = cause.remedy(constants) or deed
     if cause.code in {"lagging", "leading"}:
-        fact += f", {abs(constants[0]) / (period_ns(track.stamps_ns) / 1e9):.3g} of its samples"
+        samples = abs(constants[0]) / (period_ns(track.stamps_ns) / 1e9)
+        late = "late by" if cause.code == "lagging" else "stamped before the truth by"
+        fact = f"The estimate is {late} {abs(constants[0]):.4g} s, {samples:.3g} of its samples"
+        remedy += "; or the gyro is not heard (its unit)" if cause.code == "lagging" and samples > UNHEARD else ""
         others += ["an error of the gyro's scale or bias"] if others else []
     gain = (
         f"median error {in_degrees(np.median(before), 3)} before and {in_degrees(np.median(after), 3)} after, "
@@ -375,5 +456,5 @@ def _finding(part: Part, before: Array, after: Array, track: Matched, instead: S
     if np.median(after) >= np.median(before):  # alone it need not help
         gain = "helps only together with what follows"
     doubt = f"; this motion does not tell it from {' or '.join(others)}" if others else ""
-    told = ": ".join(filter(None, (fact, cause.remedy(constants) or deed)))
+    told = ": ".join(filter(None, (fact, remedy)))
     return Finding(cause.code, f"{told} ({gain}){doubt}.", rms(after))

@@ -58,7 +58,8 @@ _NARROW: Final = 5.0
 
 def as_text(score: Score) -> str:
     """Lines of a score in arrays, for a terminal."""
-    return answer.as_text([Sentences(score.remarks), _verdict(score), *tables(score), _findings(score)])
+    notes = Sentences([note.message for note in score.notes], "Notes")
+    return answer.as_text([Sentences(score.remarks), _verdict(score), *tables(score), _findings(score), notes])
 
 
 def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
@@ -70,7 +71,7 @@ def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
         Picture(lambda: html_page.picture(lambda width: draw("", score, width))),
         *tables(score),
         _findings(score),
-        Sentences(read.notes if read else (), "Notes"),
+        Sentences([*(note.message for note in score.notes), *(read.notes if read else ())], "Notes"),
         Sentences([f"{extent(read, score)}.", f"{_SOURCE}."]),
         *(Details(*html_page.scenario(segment)) for segment in (read.motion.segments if read else ())),
     ]
@@ -118,7 +119,7 @@ def _findings(score: Score, heading: str = "Findings") -> Sentences:
     """Findings under their codes; if there is none, a sentence that says so, with a warning of large errors."""
     is_late = score.lag_s is not None and abs(score.lag_s) > SIGNIFICANT * (score.lag_standard_error_s or 0.0)
     large = score.total_deg.median > MAX_SETTLED_DEG and not is_late and not score.remarks
-    hint = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
+    hint = ": no known mistake in the output explains errors this large; diagnose tests what the filter reads"
     found = [f"{finding.code}: {finding.message}" for finding in score.findings]
     return Sentences(found, heading, f"No findings{hint * large}.")
 
@@ -163,13 +164,15 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
     else:
         yield "settles", f"to {in_degrees(score.settled_deg, 3)} or less, {converged:.4g} s after the first"
     if score.lag_s is None:
-        yield "lag", "not told by this motion and these errors"
+        yield "lag", "cannot be determined from this run"
     else:
         # stamps are whole nanoseconds
         yield "lag", f"{round(score.lag_s, 9) + 0.0:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
     if score.of_sensors_deg is not None:
-        told = f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°"
-        yield "sensors", told
+        yield (
+            "sensors",
+            f"a constant error of up to {score.of_sensors_deg:.2g}° is normal for a right filter with these",
+        )
     if score.gyro_at_limit:
         share = f"{100.0 * score.gyro_at_limit:.3g} %"
         yield "gyro", f"at the limit of its range in {share} of the readings: the body turns faster"
@@ -204,7 +207,7 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
         "type": read.track.message_type,
         "truth": read.motion.source,
         **score.to_dict(series=series),
-        "notes": list(read.notes),
+        "remarks": [*score.remarks, *read.notes],
     }
 
 

@@ -13,14 +13,13 @@ import pytest
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import Score, scoring
-from lie_rigid_body.evaluation.clock import Lag
 from lie_rigid_body.lie import quaternion
 
 
 @pytest.fixture
 def undiagnosed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Scores without the search for causes, which takes longest: for tests of other things."""
-    monkeypatch.setattr(scoring, "diagnose", lambda *given: (Lag(), (), False))
+    monkeypatch.setattr(scoring, "diagnose", lambda *given: scoring.Diagnosis())
 
 
 @pytest.fixture(scope="session")

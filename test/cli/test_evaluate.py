@@ -32,7 +32,7 @@ def test_every_type_of_message_has_the_same_score(kind, bag, score, capsys):
     assert content["truth"] == "poses and scenario"
     assert content["total_deg"]["rms"] == pytest.approx(score.total_deg.rms, rel=1e-12)
     assert content["findings"] == []
-    assert content["notes"] == []
+    assert content["remarks"] == []
     assert content["passed"] is True
     told = kind in (IMU, ODOMETRY, "geometry_msgs/msg/PoseWithCovarianceStamped")
     assert (content["nees"] is not None) == told
@@ -147,7 +147,7 @@ def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_pa
     bag = beside(own, tmp_path / "far.mcap", (POSE, HOW[POSE], "/estimate", t, q))
     content = scored(capsys, bag, "--estimate", "/estimate", "--max-rms", "1deg")
     assert content["samples"] == 249
-    [note] = content["notes"]
+    [note] = content["remarks"]
     assert numbers(note) == [1, 250, FAR / 1e9]
 
 
@@ -157,7 +157,7 @@ def test_what_is_out_of_order_is_left_out_and_counted(own, run, stamps, noisy, t
     heard = np.arange(len(order)) * 40_000_000
     bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order], heard))
     content = scored(capsys, bag, "--estimate", "/estimate")
-    [note] = content["notes"]
+    [note] = content["remarks"]
     assert numbers(note) == [25, 275, 4]
     expected = run.score(noisy[:250], stamps[:250], covariance=P).to_dict()
     assert content["total_deg"] == pytest.approx(expected["total_deg"])
@@ -180,7 +180,7 @@ def test_messages_count_in_the_order_of_their_log_times(case, kind, own, stamps,
     t = stamps[order]
     bag = beside(own, tmp_path / "file.mcap", (kind, HOW[kind], "/estimate", t, noisy[order], logged(t)))
     content = scored(capsys, bag, "--estimate", "/estimate")
-    assert (content["samples"], content["notes"], content["findings"]) == (250, [], [])
+    assert (content["samples"], content["remarks"], content["findings"]) == (250, [], [])
     assert content["total_deg"]["rms"] == pytest.approx(score.total_deg.rms, rel=1e-12)
 
 
@@ -196,7 +196,7 @@ def test_messages_count_in_the_order_of_their_log_times(case, kind, own, stamps,
 )
 def test_other_frames_are_named(kind, names, told, own, stamps, noisy, tmp_path, capsys):
     bag = beside(own, tmp_path / "named.mcap", (kind, messages(P, **names)[kind], "/estimate", stamps, noisy))
-    [note] = scored(capsys, bag, "--estimate", "/estimate")["notes"]
+    [note] = scored(capsys, bag, "--estimate", "/estimate")["remarks"]
     assert re.findall("'([^']+)'", note) == told
 
 
@@ -222,7 +222,7 @@ def test_covariances_that_cannot_be_used(covariance, faults, own, stamps, noisy,
     assert main([str(bag), "--estimate", "/estimate", "--max-rms", "1deg", "--json"]) == 2 * faults
     out, err = capsys.readouterr()
     content = json.loads(out)
-    assert (content["nees"], content["samples"], len(content["notes"])) == (None, len(stamps), faults)
+    assert (content["nees"], content["samples"], len(content["remarks"])) == (None, len(stamps), faults)
     assert err.count("\n") == faults == err.count("/estimate: covariance: ")
 
 

@@ -31,7 +31,7 @@ def test_the_truth_in_another_bag_or_by_the_scenario_alone(own, bag, stamps, noi
     by_scenario = scored(capsys, only, "--estimate", "/filter/pose")
     assert by_scenario["truth"] == "scenario"
     assert by_scenario["total_deg"]["rms"] == pytest.approx(rms, rel=1e-12)
-    assert len(by_scenario["notes"]) == 1
+    assert len(by_scenario["remarks"]) == 1
     poses = beside(own, tmp_path / "poses.mcap", without="/lie_rigid_body/scenario /twist")
     by_poses = scored(capsys, alone, "--estimate", "/pose", "--truth", poses)
     assert by_poses["truth"] == "poses"
@@ -78,14 +78,14 @@ def test_the_truth_is_of_every_type_that_an_estimate_has(kind, own, run, stamps,
     given = ["--estimate", "/estimate", "--truth", "/mocap/body"]
     with_frames = beside(own, tmp_path / "frames.mcap", truth, ours, without="/pose /twist")
     content = scored(capsys, with_frames, *given)
-    assert (content["truth"], content["notes"]) == ("poses and scenario", [])
+    assert (content["truth"], content["remarks"]) == ("poses and scenario", [])
     alone = beside(own, tmp_path / "alone.mcap", truth, ours, without="/pose /twist /lie_rigid_body/scenario")
     if kind == TF:
         assert "world to base_link" in refused(capsys, alone, *given)
         return
     content = scored(capsys, alone, *given)
     expected = evaluate(stamps, noisy, SampledTruth(run.t_ns, run.truth.attitude_xyzw), diagnosed=False)
-    assert (content["truth"], content["notes"], content["samples"]) == ("poses", [], expected.samples)
+    assert (content["truth"], content["remarks"], content["samples"]) == ("poses", [], expected.samples)
     assert content["total_deg"]["rms"] == pytest.approx(expected.total_deg.rms, rel=1e-12)
     assert (
         scored(capsys, alone, given[0], given[1], "--topic", "pose:=/mocap/body")["total_deg"] == content["total_deg"]

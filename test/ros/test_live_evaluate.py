@@ -84,7 +84,7 @@ def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
         assert (content["topic"], content["type"]) == ("/imu/data", "sensor_msgs/msg/Imu")
         assert (content["bag"], content["truth"]) == (None, "poses and scenario")
         assert content["samples"] > 30
-        assert (content["findings"], content["notes"]) == ([], [])
+        assert (content["findings"], content["remarks"]) == ([], [])
         assert content["total_deg"]["max"] < 1e-6
 
         # a reset begins another scenario: the truth is still known
@@ -100,7 +100,7 @@ def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
         assert bad.wait() == 1, bad.complained
         content = json.loads("\n".join(bad.said))
         [finding] = [finding for finding in content["findings"] if finding["code"] == "inverted"]
-        [note] = content["notes"]
+        [note] = content["remarks"]
         assert numbers(note)[1:] == [1]  # reset
         assert finding["rms_deg_after"] < 1e-6, content
         assert len(content["broken"]) == 1

@@ -125,6 +125,5 @@ def test_what_declared_hard_iron_turns_is_said_to_be_of_the_sensors():
     score = run.score(turned)
     assert score.findings == ()
     assert score.of_sensors_deg == pytest.approx(np.degrees(left_by_errors_of(run.segments)))
-    assert "is about what these sensors leave to a right filter" in str(score)
     larger = quaternion.multiply(quaternion.exp(np.radians(20.0) * UP), true(run))
     assert [finding.code for finding in run.score(larger).findings] == ["heading_offset"]
