@@ -266,6 +266,8 @@ class LiveEstimate:
             notes += notes_on_left_out(lost, len(found), "poses of the truth")
             poses.append(found)
         motion, truth = self._true(track.stamps_ns, poses)
+        if motion.poses is None and not self.truth.poses.count:
+            motion.require_same_clock(int(track.stamps_ns[0]))
         truth = self._asked_of(track.stamps_ns, truth, due_ns)
         bias = self.gyro_bias.beside(self.truth.gyro_bias, *track.stamps_ns[[0, -1]].tolist())
         told = [*motion.notes_on(track), *(f"{note}." for note in (*notes, *self._left_out_scenarios().values()))]

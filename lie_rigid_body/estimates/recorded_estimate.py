@@ -21,8 +21,8 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, suggestion
-from lie_rigid_body.messages.batch import POSE
-from lie_rigid_body.messages.definitions import STRING, TF_MESSAGE, VECTOR3_STAMPED
+from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
+from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, STRING, TF_MESSAGE, TWIST_STAMPED, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic
@@ -45,6 +45,8 @@ TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 TRUTH: Final = "truth"
 """Name of a topic that tells the truth, of either type."""
+_STAMPED: Final = {IMU, MAGNETIC_FIELD, TWIST_STAMPED}
+_OF_NODE: Final = tuple(f"/{name}" for name in (TWIST, *SENSOR_TOPICS))
 _TYPES: Final[dict[str, Sequence[str]]] = {POSE: ATTITUDE_TYPES, SCENARIO: (STRING,)}
 
 
@@ -165,6 +167,8 @@ def recorded_estimate(
     if len(left_out[UNUSABLE]):
         unit("estimate", track.attitude_xyzw)  # refuses them
     told = notes_on_left_out(left_out, len(ordered), "estimates")
+    if motion.poses is None:
+        motion.require_same_clock(int(ordered.stamps_ns[0]), _last_of_node(*own[:2]))
     notes = (*motion.notes_on(ordered), *(f"{note}." for note in told))
     truth = motion.until(int(ordered.stamps_ns[-1]))
     read = RecordedEstimate(ordered, motion, truth, notes, len(left_out[DISORDERED]))
@@ -236,6 +240,14 @@ def _true_motion(
         )
     motion = TrueMotion(segments, None)
     return motion if pose is None else TrueMotion(segments, read_attitudes(path, contents, pose.topic, motion.frames))
+
+
+def _last_of_node(path: Path, contents: McapContents) -> int | None:
+    """The last stamp of readings and rates that the body's node published, ns; None without any."""
+    tracks = [track for track in contents.tracks.values() if track.message_type in _STAMPED and track.count]
+    known = [track for track in tracks if f"/{track.topic}".endswith(_OF_NODE)]
+    ends = (topic_messages(path, track.key, [contents.messages(track.key)]).stamps_ns.max() for track in known)
+    return max(map(int, ends), default=None)
 
 
 def _named(path: Path, contents: McapContents, topic: str) -> str:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, shown
 from lie_rigid_body.messages.definitions import IMU
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Segment
+
+YEAR_NS: Final = 366 * 86_400 * 10**9
+"""Longest time after the start of a scenario at which an estimate may begin, ns."""
 
 
 @short_dataclass(frozen=True)
@@ -51,6 +56,25 @@ class TrueMotion:
         if not self.segments:
             return SampledTruth(stamps, attitude)
         return ScenarioTruth.of_samples(self.segments, stamps, attitude)
+
+    def require_same_clock(self, first_ns: int, last_ns: int | None = None) -> None:
+        """Refuse estimates that begin where no run can be: a scenario alone determines the truth at any time.
+
+        They are of another clock if they begin after all that the body's node published, or a year after its start.
+
+        Parameters
+        ----------
+        first_ns : int
+            The first stamp of the estimates, ns.
+        last_ns : int, optional
+            The last stamp of the node's messages, ns.
+        """
+        start_ns = self.segments[-1].start_ns
+        if first_ns > (start_ns + YEAR_NS if last_ns is None else last_ns):
+            raise InputError(
+                f"estimate: it begins {(first_ns - start_ns) / 1e9:.9g} s after the scenario, which alone tells the "
+                "truth: it is of another clock: set use_sim_time of the filter, or record the poses"
+            )
 
     def notes_on(self, track: AttitudeTrack) -> Iterator[str]:
         """Notes for a reader of the score of some attitudes, one sentence each."""

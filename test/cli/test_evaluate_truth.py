@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from estimate_messages import Make, beside, messages, told
-from evaluating import HOW, ODOMETRY, POSE, TF, P, refused, scored
+from evaluating import HOW, IMU, ODOMETRY, POSE, TF, P, refused, scored
 
 from foreign_bags import bag_of
 from lie_rigid_body import Run, SampledTruth, evaluate
@@ -134,6 +134,22 @@ BAD: dict[str, Any] = {
 def test_unusable_estimates_are_refused_in_one_line(case, own, stamps, noisy, tmp_path, capsys):
     bag = beside(own, tmp_path / "bad.mcap", (POSE, HOW[POSE], "/estimate", *BAD[case](stamps, noisy)))
     assert "estimate" in refused(capsys, bag, "--estimate", "/estimate")
+
+
+LATER = [(0, [0, 0]), (86_400, [0, 2]), (1_700_000_000, [2, 2])]
+
+
+@pytest.mark.parametrize(("later_s", "statuses"), LATER)
+def test_another_clock_beside_a_scenario_alone_is_refused(later_s, statuses, own, stamps, noisy, tmp_path, capsys):
+    """A scenario tells an attitude at any time: a run may last a day if no reading ends it, and no 50 years."""
+    ours = (IMU, HOW[IMU], "/imu/data", stamps + later_s * 10**9, noisy)
+    readings = "/imu/data_raw /imu/bias"
+    for status, without in zip(statuses, (f"/pose /twist {readings}", "/pose /twist"), strict=True):
+        bag = beside(own, tmp_path / f"{len(without)}.mcap", ours, without=without)
+        if status:
+            assert "clock" in refused(capsys, bag, "--estimate", "/imu/data")
+        else:
+            assert scored(capsys, bag, "--estimate", "/imu/data")["samples"] == len(stamps)
 
 
 def alternating(one: Make, other: Make) -> Make:
