@@ -23,7 +23,7 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, relative_rotations, times
-from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of, products
+from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of, products, valleys
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion
@@ -152,18 +152,10 @@ def inflations(track: Matched, parts: Sequence[Part]) -> list[float]:
     """
     J = derivative(track, parts)[0]
     normal = np.einsum("nia,nib->ab", J, J)
-    found = list[float]()
-    end = 0
-    for cause, _ in parts:
-        own = np.arange(end, end + cause.price)
-        others = np.delete(np.arange(len(normal)), own)
-        end += cause.price
-        alone = normal[np.ix_(own, own)]
-        across = normal[np.ix_(own, others)]
-        left = alone - across @ np.linalg.pinv(normal[np.ix_(others, others)], rcond=1e-10) @ across.T
-        share = np.linalg.eigvals(np.linalg.pinv(alone, rcond=1e-10) @ left).real.min(initial=1.0)
-        found.append(1.0 / max(float(share), 1e-300))
-    return found
+    inverse = np.linalg.inv(normal + 1e-9 * np.trace(normal) * np.eye(len(normal)))
+    ends = np.cumsum([cause.price for cause, _ in parts])
+    own = [slice(end - cause.price, end) for (cause, _), end in zip(parts, ends, strict=True)]
+    return [float(np.linalg.eigvals(normal[i, i] @ inverse[i, i]).real.max(initial=1.0)) for i in own]
 
 
 def weights(norms: Array) -> Array:
@@ -249,12 +241,8 @@ def fitted_in_time(
 ) -> list[Array]:
     """A constant that changes stamps, in whose fit there are several valleys: fitted from the lowest of some values."""
     misses = np.asarray(sum(_misses(track.thinned(), cause.undo, values, covered) for track in tracks))
-    around = np.concatenate([[np.inf], misses, [np.inf]])
-    lowest = np.flatnonzero((misses <= around[:-2]) & (misses <= around[2:]))
-    return [
-        _refined(cause, values[[k]], [track.thinned(most) for track in tracks])
-        for k in lowest[np.argsort(misses[lowest], kind="stable")][:starts]
-    ]
+    few = [track.thinned(most) for track in tracks]
+    return [_refined(cause, values[[k]], few) for k in valleys(misses)[:starts]]
 
 
 def _refined(cause: Cause, found: Array, tracks: MatchedRuns) -> Array:

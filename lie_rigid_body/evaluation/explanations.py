@@ -40,6 +40,7 @@ from lie_rigid_body.evaluation.matched import (
     is_single_axis,
     lags_of_rates,
     products,
+    valleys,
 )
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
@@ -52,7 +53,7 @@ PRICES: Final = {
     "body_mounting": 2.3,
     "lag": 1.25,
     "far": 1.0,
-    "pair": 1.0,
+    "pair": 0.3,
 }
 """Prices of causes with constants, in halved errors; a cause without a constant costs 1.
 
@@ -351,11 +352,10 @@ class Evidence:
             return min(near, key=lambda e: floored(e.left).mean())
         lags = self._lags
         cost = self._scanned[form, turned]
-        around = np.concatenate([[np.inf], cost, [np.inf]])
-        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
-        by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
+        lowest = [k for k in valleys(cost) if cost[k] <= cost.min() + self._slack]
+        by_size = sorted(lowest, key=lambda k: abs(lags[k]))
         step = float(lags[1] - lags[0])
-        found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(by_cost, by_size)]
+        found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(lowest[:4], by_size[:4])]
         least = min(floored(e.left).mean() for e in found)
         as_good = [e for e in found if floored(e.left).mean() <= TIE**2 * least]
         return min(as_good, key=lambda e: abs(e.lag_s or 0.0))

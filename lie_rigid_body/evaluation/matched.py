@@ -29,10 +29,10 @@ MIN_SAMPLES: Final = 20
 """Least number of samples whose quarters tell anything."""
 WINDOW: Final = 0.2
 """Turn of the body, rad, in a window over which angles are compared: it outweighs noise, and is short beside a flip."""
-MAX_LAGS: Final = 5000
-"""Largest number of lags that are tried."""
-MAX_GRID: Final = 200_000
-"""Largest number of windows of the truth."""
+MAX_LAGS: Final = 200
+"""Largest number of lags that are tried in either direction."""
+MIN_KNOWN: Final = 0.5
+"""Smallest share of the windows that a lag puts within the truth's times."""
 SAMPLES: Final = 400
 """Largest number of samples by which errors are explained."""
 NEGLIGIBLE: Final = float(np.radians(1e-3))
@@ -141,7 +141,14 @@ def products(track: Matched, stamps_ns: Integers) -> Array:
     return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
 
 
-def lags_of_rates(track: Matched, longest_s: float, most: int = SAMPLES) -> list[float]:
+def valleys(values: Array) -> Integers:
+    """Indices of the local minima of some values, the lowest first."""
+    around = np.concatenate([[np.inf], values, [np.inf]])
+    lowest = np.flatnonzero((values <= around[:-2]) & (values <= around[2:]))
+    return np.asarray(lowest[np.argsort(values[lowest], kind="stable")])
+
+
+def lags_of_rates(track: Matched, longest_s: float, most: int = 150) -> list[float]:
     """Lags of an estimate up to the longest, s, at which it turns as fast as the body does, the likeliest first.
 
     A constant turn of the world or of the body changes no angle between two attitudes of the estimate. Most other
@@ -149,33 +156,21 @@ def lags_of_rates(track: Matched, longest_s: float, most: int = SAMPLES) -> list
     `WINDOW` are compared. A lag must leave less than a quarter of the variance of these angles.
     """
     truth = track.truth
-    known = track.known().stamps_ns
-    rates = norm(truth.states(known[spread(len(known), most)])[1]) if len(known) else np.zeros(1)
-    period = max(period_ns(track.stamps_ns), 1)
-    width = max(1, round(WINDOW / max(rms(rates), 1e-9) * 1e9 / period))
-    if len(track.stamps_ns) < MIN_SAMPLES + width or not rms(rates):
+    rate = max(rms(norm(truth.states(track.thinned(most).stamps_ns)[1])), 1e-9)
+    width = max(1, round(WINDOW / rate * 1e9 / max(period_ns(track.stamps_ns), 1)))
+    if len(track.stamps_ns) < MIN_SAMPLES + width:
         return []
-    window_ns = width * period
-    step_ns = max(window_ns // 4, int(2e9 * longest_s) // MAX_LAGS, 1)
-    grid = np.arange(truth.first_ns, truth.last_ns - window_ns, step_ns)
-    if not MIN_SAMPLES <= len(grid) <= MAX_GRID:
-        return []
-    is_known = truth.covers(grid) & truth.covers(grid + window_ns)
-    true = np.where(is_known, angles_between(truth.at(grid), truth.at(grid + window_ns)), np.nan)
     first = spread(len(track.stamps_ns) - width, most)
-    first = first[np.abs(track.stamps_ns[first + width] - track.stamps_ns[first] - window_ns) <= period]
-    if len(first) < MIN_SAMPLES:
-        return []
-    own = angles_between(track.attitude_xyzw[first], track.attitude_xyzw[first + width])
-    lags = np.arange(-round(longest_s * 1e9), round(longest_s * 1e9) + 1, step_ns)
-    places = (track.stamps_ns[first] - lags[:, np.newaxis] - grid[0]) / step_ns
-    at = np.interp(places, np.arange(len(grid)), true, left=np.nan, right=np.nan)
-    covered = np.isfinite(at)
-    misfit = np.sum(np.where(covered, at - own, 0.0) ** 2, axis=1) / np.maximum(covered.sum(axis=1), 1)
-    misfit = np.where(covered.mean(axis=1) >= 0.5, misfit, np.inf)
-    around = np.concatenate([[np.inf], misfit, [np.inf]])
-    lowest = np.flatnonzero((misfit <= around[:-2]) & (misfit <= around[2:]) & (misfit < 0.25 * np.nanvar(true)))
-    return list((lags[lowest[np.argsort(misfit[lowest], kind="stable")]] / 1e9).tolist())
+    ends = np.stack([first, first + width])
+    own = angles_between(*track.attitude_xyzw[ends])
+    step_s = max(0.25 * WINDOW / rate, longest_s / MAX_LAGS)
+    lags_s = np.arange(-longest_s, longest_s + step_s, step_s)
+    stamps = track.stamps_ns[ends] - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis, np.newaxis]
+    known = truth.covers(stamps).all(axis=1)
+    true = np.moveaxis(truth.at(np.clip(stamps, truth.first_ns, truth.last_ns)), 1, 0)
+    missed = np.sum((angles_between(*true) - own) ** 2, axis=1, where=known) / np.maximum(known.sum(axis=1), 1)
+    misfit = np.where(known.mean(axis=1) >= MIN_KNOWN, missed, np.inf)
+    return [float(lags_s[k]) for k in valleys(misfit) if misfit[k] < 0.25 * np.var(own)]
 
 
 def quarters(track: Matched) -> Array:

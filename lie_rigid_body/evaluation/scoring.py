@@ -278,7 +278,7 @@ def _apart(stamps: Integers, truth: Truth) -> str:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What explains the errors of an estimate.
+    """Explanation of the errors of an estimate.
 
     Attributes
     ----------
@@ -368,27 +368,21 @@ def _evidence(track: Matched, longest_s: float, left_by_sensors: float) -> Evide
 def _far(whole: Matched, named: Explanation, longest_s: float, left_by_sensors: float) -> Diagnosis | None:
     """A lag beyond the longest one, with what else there is by that: turns of the world or of the body; else None.
 
-    It must leave a third of the error in each quarter, at most, beside what is named without it. Of lags that do about
-    as well, as of a motion that repeats, the smallest counts.
+    It must leave a third of the error in each quarter, at most, beside what is named without it.
     """
-    found = list[tuple[float, Evidence, Explanation]]()
     for lag_s in lags_of_rates(whole, MAX_FAR_S)[:MAX_FAR]:
         moved = undone(whole, [late(lag_s)]).known()
         enough = abs(lag_s) > 0.9 * longest_s and len(moved.stamps_ns) >= MIN_COVERED * len(whole.stamps_ns)
         evidence = _evidence(moved, longest_s, left_by_sensors) if enough else None
         best = evidence.choice().named if evidence else named
-        if evidence and best.explains and np.all(floored(best.left) <= SHARE**2 * floored(named.left)):
-            found.append((lag_s, evidence, best))
-    if not found:
-        return None
-    least = min(best.cost for _, _, best in found)
-    lag_s, evidence, best = min((each for each in found if each[2].cost <= least + 1.0), key=lambda each: abs(each[0]))
-    parts = [*(part for part in best.parts if part[0].unit != "s"), late(lag_s + (best.lag_s or 0.0))]
-    if max(inflations(evidence.track, [*parts[:-1], late(best.lag_s or 0.0)])) > MAX_INFLATION:
-        return None
-    near = lag_of(evidence.whole, best, longest_s, evidence.period_s)
-    lag = Lag(lag_s + near.lag_s, near.standard_error_s) if near.lag_s is not None else Lag()
-    return Diagnosis(lag, _in_words(whole, evidence, best, parts))
+        turns = [part for part in best.parts if part[0].unit != "s"]
+        near_s = best.lag_s or 0.0
+        explains = best.explains and np.all(floored(best.left) <= SHARE**2 * floored(named.left))
+        if evidence and explains and max(inflations(evidence.track, [*turns, late(near_s)])) <= MAX_INFLATION:
+            near = lag_of(evidence.whole, best, longest_s, evidence.period_s)
+            lag = Lag(lag_s + near.lag_s, near.standard_error_s) if near.lag_s is not None else Lag()
+            return Diagnosis(lag, _in_words(whole, evidence, best, [*turns, late(lag_s + near_s)]))
+    return None
 
 
 def _ahead(evidence: Evidence, choice: Choice, lag: Lag) -> tuple[ScoreNote, ...]:

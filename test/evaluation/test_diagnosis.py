@@ -237,7 +237,7 @@ def followed(estimate, findings):
     return estimate
 
 
-@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2))])
 def test_following_the_findings_to_the_letter_leaves_what_the_last_one_tells(seed):
     """A turn of the world and one of the body are fitted together: one alone is pulled by the other."""
     rng, few = np.random.default_rng(seed), STAMPS[::5]
