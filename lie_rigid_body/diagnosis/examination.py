@@ -416,13 +416,14 @@ def _notes(search: Search) -> Iterator[Note]:
     chosen = search.chosen
     if search.deaf:
         yield Note("deaf", _deaf(search), ", ".join(search.deaf))
-    if search.settles_s and not search.needs_rest:
-        unsettled = " It has not then: longer is not tried." * (search.settles_s >= MAX_REST)
+    longest = search.longest_rest_s
+    if longest and not search.needs_rest:
+        unsettled = " Perhaps it does not: longer is not tried." * (longest >= MAX_REST)
         yield Note(
             "settles",
-            f"It needs {search.settles_s:.0f} s at rest until its answer stands still; that it is given before each "
-            f"course.{unsettled}",
-            search.settles_s,
+            f"It is given {longest:.0f} s at rest before a course, in whose second half its answer stands "
+            f"still.{unsettled}",
+            longest,
         )
     if search.chatter:
         value = float(np.degrees(search.chatter))
@@ -452,7 +453,7 @@ def _notes(search: Search) -> Iterator[Note]:
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
         yield Note(
             "gyro_kind",
-            f"The filter expects {chosen.kind} rates: with {other.kind} ones it errs by "
+            f"The filter expects {chosen.kind} rates: with {other.kind} ones its error is "
             f"{with_unit(float(np.degrees(other.error)))}.",
             chosen.kind,
         )

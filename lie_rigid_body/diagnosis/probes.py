@@ -316,7 +316,7 @@ def _off(search: Search, name: str) -> list[Course]:
 
 def _off_judged(search: Search, answers: Sequence[Answer], sensor: str) -> Judged:
     return limited(
-        f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis it errs by",
+        f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis its error is",
         worst(answers),
         max(BIAS_PEAK * float(np.arcsin(VECTOR_ERROR / _level(search))), _limit(search)),
     )
@@ -345,7 +345,7 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
         f"with the noise of {_grade(search)} its error is",
         answers[0].error(),
         1.01 * error_of([single[answered[len(stamps) // 3 :]]]),
-        f"; the best filter errs by {with_unit(float(np.degrees(least)))} over many such runs",
+        f"; the Cramér–Rao bound of filters is {with_unit(float(np.degrees(least)))} over many such runs",
     )
 
 
@@ -383,7 +383,7 @@ def _rests(search: Search) -> list[Course]:
 def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     without, plain, longer = (answer.error() for answer in answers)
     return limited(
-        f"without a rest before the motion, or after {REST:g} s, it errs by",
+        f"without a rest before the motion, or after {REST:g} s, its error is",
         max(without, plain),
         max(search.floor, NEAR * min(plain, longer)),
         f"; after {3.0 * REST:g} s it is {with_unit(float(np.degrees(longer)))}",

@@ -211,6 +211,8 @@ class Search:
         Whether pairs were left untried for want of runs.
     is_rest_cut : bool
         Whether repairs were tried after a shorter rest than the filter needs.
+    is_slow : bool
+        Whether it begins with one attitude, and takes more than `FIRST_REST` to come from there to another.
     is_level : bool
         Whether the magnetometer changes nothing: the vertical alone is judged.
     deaf : tuple of str
@@ -264,7 +266,7 @@ class Search:
         self.trials: list[Trial] = []
         self.runs = 0
         self.updates = 0
-        self.is_cut = self.is_rest_cut = self.is_level = False
+        self.is_cut = self.is_rest_cut = self.is_level = self.is_slow = False
         self.deaf: tuple[str, ...] = ()
         self.scatter = self.chatter = self.growth = 0.0
         self.unstable_by = ""
@@ -328,6 +330,11 @@ class Search:
         """Longest rest that the filter needs on an ordinary course, s."""
         return max(course.settle_s for course in self.courses)
 
+    @property
+    def longest_rest_s(self) -> float:
+        """Longest rest that the filter needs in any attitude and field that was tried, s."""
+        return max(self._rests.values(), default=0.0)
+
     def run(self) -> None:
         """Look for repairs if the filter is wrong, also after it has settled at rest."""
         free = list(self.fully([()], courses=[course.free() for course in self.courses]))
@@ -365,21 +372,22 @@ class Search:
         courses = self.courses
         if (first := first_attitude(self.free.unrepaired)) is not None:
             starts = quaternion.multiply(first, [ASIDE, quaternion.conjugate(ASIDE)]).tolist()
+            self.is_slow = self._settled_s(courses[0], FIRST_REST) == np.inf
             each = zip(courses, starts, strict=False)
             courses = tuple(course.of_scenario(initial_attitude_xyzw=start) for course, start in each)
         return [self.settled(course) for course in courses]
 
     def settled(self, course: Course) -> Course:
-        """The course with a rest in which the filter settles: twice as long until it has, at most `MAX_REST`."""
+        """The course with a rest, in whose second half at least the filter has settled: doubled, to `MAX_REST` at most."""
         if not course.ramp_s:
             return course
         key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field)
         if key not in self._rests:
             rest = max(FIRST_REST, self.settles_s)
             while (
-                (settled := self._settled_s(course, rest)) == np.inf
+                (settled := self._settled_s(course, rest)) > 0.5 * rest
                 and rest < MAX_REST
-                and self.updates < self.most_updates
+                and self.updates < 1.5 * self.most_updates
             ):
                 rest = min(2.0 * rest, MAX_REST)
             self._rests[key] = rest if settled else 0.0
@@ -477,7 +485,7 @@ class Search:
     @property
     def most_updates(self) -> int:
         """Readings of the gyro after which no more pairs are begun."""
-        return MAX_UPDATES_SETTLING if self.settles_s > CALM else MAX_UPDATES
+        return MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
 
     def _may_go_on(self) -> bool:
         """Whether the budget allows more runs; `is_cut` keeps a refusal."""
