@@ -378,7 +378,7 @@ class Search:
         return [self.settled(course) for course in courses]
 
     def settled(self, course: Course) -> Course:
-        """The course with a rest, in whose second half at least the filter has settled: doubled, to `MAX_REST` at most."""
+        """The course with a rest, doubled until the filter has settled in half of it, to `MAX_REST` at most."""
         if not course.ramp_s:
             return course
         key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field)
