@@ -173,7 +173,7 @@ class FilterDiagnosis(Shown):
             fails = f", but fails {names}." if self.failed else f", and passes {counted(judged, 'probe')}."
             right = f"Follows perfect sensors ({degrees(self.rms_deg)}){fails}"
             wrong = f"Nothing {'so far' if self.interrupted else 'that was tried'} removes the error of "
-            is_right = self.rms_deg <= self.floor_deg or any(note.code == "gyro_scale" for note in self.notes)
+            is_right = any(probe.code == "follows" and probe.passed for probe in self.probes)
             said = [right if is_right else f"{wrong}{degrees(self.rms_deg)}."]
         return [*self.first, *said, *(f"{probe.code}: {probe.message}." for probe in self.failed)]
 
@@ -429,8 +429,8 @@ def _notes(search: Search) -> Iterator[Note]:
         value = float(np.degrees(search.chatter))
         yield Note(
             "chatters",
-            f"Two runs with nearly equal readings differ by {with_unit(value)}, which does not grow, as where each "
-            "correction has a fixed length.",
+            f"Its answer at rest moves, or two runs with nearly equal readings differ, by {with_unit(value)}. That does "
+            "not grow, as where each correction has a fixed length.",
             value,
         )
     if search.needs_noise:

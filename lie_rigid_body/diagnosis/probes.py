@@ -136,7 +136,7 @@ def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
     what = "its mistakes repaired" if search.chosen.codes else "perfect sensors"
     settled = f"; it needs {search.settles_s:.0f} s at rest until its answer stands still" * (search.settles_s > 0.0)
     passed, said, value = limited(f"with {what} its error is", search.chosen.error, search.floor, settled)
-    if passed or search.chosen.codes:
+    if passed or search.chosen.codes or search.chosen.error <= NEAR * search.chatter:
         return True, said, value
     return False, f"{said}{_without_repair(search, answers[0].track)}", value
 
@@ -298,7 +298,7 @@ def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
         "with a gyro off by 1°/s, in the last quarter of 60 s, its error is",
         last,
         most,
-        f"; it {'removes the bias' if removed else 'keeps an error that the bias makes'}",
+        f"; it {'removes the bias' if removed else 'keeps an error that the bias makes'}" * ("gyro" not in search.deaf),
     )
 
 

@@ -19,6 +19,7 @@ from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, angles_betw
 from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, UP, Cause, Order, undone
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
@@ -445,12 +446,15 @@ class Answer:
         Estimate as the filter returned it, of the same part.
     settled_s : float
         Time at rest after which the answers stand still, s; infinite where that is not seen.
+    restless : float
+        RMS of their motion about the mean of each second then, rad.
     """
 
     track: Matched
     broken: Integers
     given: Estimate
     settled_s: float
+    restless: float
 
     @property
     def t_s(self) -> Array:
@@ -469,22 +473,28 @@ def first_attitude(answers: Sequence[Answer]) -> Array | None:
     return told[0] if len(told) == 2 and angles_between(*told) < ALIKE * angles_between(*true) else None
 
 
-def settled_s(stamps_ns: Integers, attitude_xyzw: Array) -> float:
-    """Time at rest after which the answers stand still, s; infinite where fewer than `CALM` calm seconds are there.
+def at_rest(stamps_ns: Integers, attitude_xyzw: Array) -> tuple[float, float]:
+    """Time at rest after which the answers stand still, s, and RMS of their motion in the last calm seconds, rad.
 
-    A second is calm where the mean of its answers is within `STILL` of that of the second before.
+    A second is calm where the mean of its answers is within `STILL` of that of the second before. The time is infinite
+    where fewer than `CALM` calm seconds are there.
     """
     second, first = np.unique(stamps_ns // 10**9, return_index=True)
     if len(second) <= CALM:
-        return np.inf
-    total = np.add.reduceat(quaternion.to_matrix(attitude_xyzw), first, axis=0)
-    mean = total / np.linalg.norm(total, axis=(1, 2), keepdims=True)
-    moved = np.sqrt(1.5) * np.linalg.norm(
-        np.diff(mean, axis=0), axis=(1, 2)
-    )  # √2 times an angle, for matrices of norm √3
+        return np.inf, 0.0
+    matrices = quaternion.to_matrix(attitude_xyzw)
+    counts = np.diff([*first, len(matrices)])
+    mean = np.add.reduceat(matrices, first, axis=0) / counts[:, np.newaxis, np.newaxis]
+    moved = _angle(np.diff(mean, axis=0))
     restless = np.flatnonzero(~(moved <= STILL))
     begin = int(restless[-1]) + 1 if restless.size else 0
-    return float(second[begin]) if len(moved) - begin >= CALM else np.inf
+    settled = float(second[begin]) if len(moved) - begin >= CALM else np.inf
+    return settled, rms(_angle(matrices - np.repeat(mean, counts, axis=0))[first[-CALM] :])
+
+
+def _angle(difference: Array) -> Array:
+    """Angle of the small rotation between matrices, rad, from their difference, shape (N, 3, 3)."""
+    return np.asarray(np.sqrt(0.5) * np.linalg.norm(difference, axis=(1, 2)))
 
 
 @dataclass(frozen=True)
@@ -527,5 +537,5 @@ class Job:
             undone(track, causes),
             np.flatnonzero(broken[counted]),
             found[counted],
-            settled_s(found.t_ns[rest], attitude[rest]),
+            *at_rest(found.t_ns[rest], attitude[rest]),
         )

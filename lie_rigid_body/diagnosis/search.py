@@ -220,7 +220,7 @@ class Search:
     scatter : float
         Largest change of the estimate between two equal runs, rad, where the filter is wrong.
     chatter : float
-        Change of the estimate by sensors that are off by `TINY`, rad, that does not grow.
+        Motion of the answer at rest, or change of it by sensors that are off by `TINY`, rad, that does not grow.
     growth : float
         Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
         what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
@@ -395,6 +395,8 @@ class Search:
 
     def _settled_s(self, course: Course, rest: float) -> float:
         answer = self.answer(replace(course, settle_s=rest, moving_s=0.0, gaps_s=()))
+        if answer and answer.settled_s < np.inf and answer.restless > self.floor:
+            self.chatter = max(self.chatter, answer.restless)
         return answer.settled_s if answer else 0.0
 
     def _hear(self) -> None:
@@ -432,7 +434,7 @@ class Search:
             signs = {sensor: self._negated(best, sensor) for sensor in ("accelerometer", "magnetometer")}
             self.unstable_by = next((s for s, error in signs.items() if error <= max(self.floor, MENDED * before)), "")
         elif level > max(self.floor, NEAR * self.scatter):
-            self.chatter = float(change.max())
+            self.chatter = max(self.chatter, float(change.max()))
 
     def _negated(self, unrepaired: Trial, sensor: str) -> float:
         """Error at the end of a long run with the readings of a sensor negated, rad."""
