@@ -100,6 +100,9 @@ MAX_OF_LEAD: Final = 8000
 """Largest number of samples by which the error of a lead is computed."""
 BLOCKS: Final = 9
 """Number of parts of a run in which constants are fitted, to see whether they shrink."""
+EVENLY: Final = 0.15
+"""Largest distance from half of the decrease of a constant up to the middle third. Of an exponential decay it is that
+where the time constant is 0.4 of the run."""
 SHRUNK: Final = 0.05
 """Share of a constant by which it shrinks at least in an estimate that converges."""
 
@@ -389,7 +392,7 @@ class Evidence:
         found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
         turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
         found += [self.get(form, pair) for form in list(turnable)[:6] for pair in PAIRS]
-        if self.lags_of_rates:
+        if min(e.error for e in found) > OF_SENSORS and self.lags_of_rates:
             found += [self.get(form, turned, late=True) for form in list(turnable)[:2] for turned in BY_RATES]
         lowest = min(e.cost for e in found)
         trials = [
@@ -451,7 +454,8 @@ class Evidence:
 
         The first quarter does not count. Constants are fitted to `BLOCKS` parts of the rest, of which three are a
         third. One shrinks if the means of these thirds differ by more than 3 standard errors, by the scatter in each.
-        The difference must exceed `SHRUNK` of it, the error that is left, and what the sensors' own errors leave.
+        The difference must exceed `SHRUNK` of it, the error that is left, and what the sensors' own errors leave. About
+        half of it must come by the middle third: what decays faster is no constant of three quarters.
         """
         settled = np.arange(len(self.track.stamps_ns))[len(self.track.stamps_ns) // 4 :]
         fits = [fit([self.track[part]], explanation.parts) for part in np.array_split(settled, BLOCKS)]
@@ -459,10 +463,11 @@ class Evidence:
             if cause.price:
                 turn = self.root_mean_square_rate if cause.unit == "s" else 1.0
                 sizes = np.array([found[k][1] @ constants for found in fits]) * turn / float(np.linalg.norm(constants))
-                first, last = sizes[:3], sizes[-3:]
-                error = 3.0 * np.sqrt((np.var(first, ddof=1) + np.var(last, ddof=1)) / 3.0)
-                shrunk = first.mean() - last.mean()
-                if shrunk > max(error, SHRUNK * first.mean(), explanation.error, self.left_by_sensors):
+                thirds = sizes.reshape(3, -1)
+                first, middle, last = thirds.mean(axis=1)
+                error = 3.0 * np.sqrt((np.var(thirds[0], ddof=1) + np.var(thirds[-1], ddof=1)) / 3.0)
+                halfway = abs(first - middle - 0.5 * (first - last)) < EVENLY * (first - last)
+                if halfway and first - last > max(error, SHRUNK * first, explanation.error, self.left_by_sensors):
                     return False
         return True
 
@@ -513,8 +518,12 @@ class Evidence:
     def follows(self) -> bool:
         """Whether up to three causes, sure or not, leave little error: the estimate then follows the body."""
         most = FOLLOWING * self.get().error
-        several = [e for e in self.tried if 0 < len(e.causes) <= 3 and e.turned != PAIRS[1]]
-        return any(e.error <= most and e.explains for e in several)
+        # a turn of the world fits nearly anything beside a lag or a mounting
+        return any(
+            e.error <= most and e.explains
+            for e in self.tried
+            if 0 < len(e.causes) <= 3 and not ("world_turned" in e.turned and len(e.causes) - len(e.form) > 1)
+        )
 
     def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
         """The named explanation with a lag added, if its own fit of a lag gives about the same."""

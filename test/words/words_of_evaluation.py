@@ -231,6 +231,10 @@ def found(estimate, kept=EVERY, truth=TRUTH, stamps=STAMPS):
     return f"{first.code}: {first.message}"
 
 
+def noted(estimate):
+    return "\n".join(note.message for note in evaluate(STAMPS, estimate, TRUTH).notes)
+
+
 def left(turn):
     return found(quaternion.multiply(turn, TRUE))
 
@@ -278,6 +282,7 @@ SAID = [
     lambda: left(quaternion.exp([0.0, np.pi / 3, 0.0])),
     lambda: right(quaternion.exp([0.0, 0.0, np.pi / 2])),
     lambda: found(attitude(MOTION, 0.5)),
+    lambda: noted(attitude(MOTION, -0.02)),
     lambda: found(attitude(MOTION, -0.5)),
     lambda: found(np.tile(TRUE[:1], (len(STAMPS), 1))),
     lambda: found(TRUE[np.where((EVERY >= 100) & (EVERY < 700), 100, EVERY)]),
