@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, cast
@@ -42,6 +42,11 @@ _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "
     "limit of its time."
 )
+_FREE_FALL: Final = (
+    "In this scenario the accelerometer reads no gravity, which a filter may need. The courses of diagnose have gravity, "
+    "unless the parameter gravity is 0."
+)
+"""First sentence about a scenario in which bodies have no weight."""
 TOLD: Final = float(np.radians(1e-3))
 """Least difference between the errors of two kinds of gyro that a note tells, rad."""
 
@@ -269,7 +274,9 @@ def diagnose(
             noise,
         )
         remarks = [f"Each run of a node takes seconds: it is not probed for {', '.join(left_out)}."] * is_node
-        return examined(search, remarks if source else [_ALONE], left_out)
+        found = examined(search, remarks if source else [_ALONE], left_out)
+    weightless = _FREE_FALL * (given.get("accelerometer_mode") == "free_fall" or not courses[0].parameter("gravity"))
+    return replace(found, first=(*filter(None, [weightless]), *found.first))
 
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
@@ -429,8 +436,8 @@ def _notes(search: Search) -> Iterator[Note]:
         value = float(np.degrees(search.chatter))
         yield Note(
             "chatters",
-            f"Its answer at rest moves, or two runs with nearly equal readings differ, by {with_unit(value)}. That does "
-            "not grow, as where each correction has a fixed length.",
+            f"Its answer at rest moves, or two runs with nearly equal readings differ, by {with_unit(value)}. That "
+            "does not grow, as where each correction has a fixed length.",
             value,
         )
     if search.needs_noise:
