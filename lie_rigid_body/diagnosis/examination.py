@@ -43,8 +43,8 @@ _ALONE: Final = (
     "limit of its time."
 )
 _FREE_FALL: Final = (
-    "In this scenario the accelerometer reads no gravity, which a filter may need. The courses of diagnose have gravity, "
-    "unless the parameter gravity is 0."
+    "In this scenario the accelerometer reads no gravity, which a filter may need. The courses of diagnose have "
+    "gravity, unless the parameter gravity is 0."
 )
 """First sentence about a scenario in which bodies have no weight."""
 TOLD: Final = float(np.radians(1e-3))
