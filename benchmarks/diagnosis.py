@@ -3,8 +3,24 @@
     python benchmarks/diagnosis.py separation   for every pair of repairs, what taking one for the other leaves
     python benchmarks/diagnosis.py healthy      what is said of the filters of the league as they are
     python benchmarks/diagnosis.py mistakes     each mistake put into each filter that is right with perfect sensors
+    python benchmarks/diagnosis.py cases --folder FOLDER    filters of a folder, beside what is wrong with them
 
 ``--filters NAME...`` chooses filters whose names contain one of them, ``--mistakes NAME...`` mistakes.
+
+The mode ``cases`` needs no environment of its own. It diagnoses each public function of FOLDER's modules that can be
+called with one argument, ``run``. A file ``expected.yaml`` in FOLDER says what is wrong with each, by the function's
+name: the codes of its mistakes, or of probes and notes that show it, or an empty list where nothing may be named.
+Without that file what is said is printed, and not judged::
+
+    fusion: []
+    fusion_radians: [gyro_units]
+    slow_bias: [gyro_bias]
+
+- right: each mistake that is named is in the list, and the list is empty or one is named; or a failed probe or a note;
+- or_else: each is, or may be replaced by one that is;
+- wrong: one that is named is neither;
+- symptom: nothing is named, but a probe fails, or a sentence says where the filter is right;
+- nothing: nothing is said.
 """
 
 from __future__ import annotations
@@ -13,20 +29,24 @@ import argparse
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
+from importlib import import_module
+from inspect import Parameter, isfunction, signature
 from pathlib import Path
+from time import perf_counter
 from types import SimpleNamespace
 from typing import Any, Final
 
 import numpy as np
+import yaml
 from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
 from league.contender import Filter, filters
 from league.readings import Readings
-from lie_rigid_body.diagnosis import diagnose
+from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MAX_RUNS
 from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Answer, Job, Repair, exact_repairs, factor, late
@@ -191,7 +211,7 @@ class Watched:
 
     def _each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()
-        return each_alone(self._estimate, [Job(job.course, (*job.repairs, *last)) for job in jobs])
+        return each_alone(self._estimate, [replace(job, repairs=(*job.repairs, *last)) for job in jobs])
 
     def is_right(self) -> bool:
         """Whether the filter errs by less than the floor without a repair."""
@@ -221,7 +241,7 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     if not found:
         return number, mistake, "nothing", f"{watched.search.runs} runs"
     told = any(
-        sorted(trial.codes) == sorted(put.codes)
+        sorted(set(trial.codes) - {"gyro_scale"}) == sorted(put.codes)
         or (set(trial.codes) < set(put.codes) and trial.error <= watched.search.floor)
         for trial in found
     )
@@ -240,11 +260,11 @@ def is_right(number: int) -> bool:
 def healthy(number: int) -> tuple[int, str]:
     """What is said of a filter as it is."""
     try:
-        found = diagnose(estimator(number), max_runs=1)
+        found = diagnose(estimator(number))
     except Exception as error:
         return number, f"failed: {error}"
     mistakes = [m.code for m in found.mistakes]
-    failed = [f"{p.code} ({p.message})" for p in found.probes if not p.passed]
+    failed = [f"{p.code} ({p.message})" for p in found.failed]
     return number, f"{found.rms_deg:.2g}° mistakes {mistakes} failed {failed} notes {[n.code for n in found.notes]}"
 
 
@@ -280,6 +300,78 @@ def separation() -> None:
         print(f"| {row} | " + " | ".join(cells) + " |")
 
 
+def functions_of(folder: Path) -> list[str]:
+    """Public functions of the modules of a folder that can be called with a run alone, as ``module:function``."""
+    sys.path.insert(0, str(folder))
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
+    return [
+        f"{path.stem}:{name}"
+        for path in sorted(folder.glob("*.py"))
+        for name, each in vars(import_module(path.stem)).items()
+        if isfunction(each) and each.__module__ == path.stem and not name.startswith("_") and _takes_a_run(each)
+    ]
+
+
+def _takes_a_run(function: Callable[..., Any]) -> bool:
+    """Whether a function can be called with one argument, ``run``."""
+    first, *others = signature(function).parameters.values() or [None]
+    return first is not None and first.name == "run" and all(each.default is not Parameter.empty for each in others)
+
+
+def verdict(found: FilterDiagnosis, expected: Collection[str]) -> str:
+    """Verdict of a case: right, or_else, wrong, symptom or nothing."""
+    named = [mistake for mistake in found.mistakes if mistake.code not in expected]
+    if named:
+        return "or_else" if all({*mistake.or_else} & {*expected} for mistake in named) else "wrong"
+    shown = {each.code for each in (*found.failed, *found.notes)}
+    if found.mistakes or not expected or shown & {*expected}:
+        return "right"
+    return "symptom" if found.failed or found.first else "nothing"
+
+
+def cases(folder: Path, words: Sequence[str]) -> None:
+    """Print a row for each function of a folder, and how many of each verdict there are."""
+    table = folder / "expected.yaml"
+    expected = yaml.safe_load(table.read_text(encoding="utf-8")) if table.is_file() else {}
+    names = functions_of(folder)
+    counts: Counter[str] = Counter()
+    print("| function | verdict | expected | named, or else | failed probes | notes | error | runs | updates | s |")
+    print("|" + " --- |" * 10)
+    for number in _chosen(names, words):
+        name = names[number]
+        function = name.partition(":")[2]
+        if expected and function not in expected:
+            continue
+        begun = perf_counter()
+        try:
+            found = diagnose(name)
+        except LieRigidBodyError as error:
+            print(f"| {function} | not run: {error} |" + " |" * 8, flush=True)
+            continue
+        told = verdict(found, expected[function]) if expected else ""
+        counts[told] += 1
+        named = (
+            f"{each.code} {each.repair}" + f" ({', '.join(each.or_else)})" * bool(each.or_else)
+            for each in found.mistakes
+        )
+        row = (
+            told,
+            ", ".join(expected.get(function, ())),
+            "; ".join(named),
+            ", ".join(each.code for each in found.failed),
+            ", ".join(each.code for each in found.notes),
+            f"{found.rms_deg:.2g}°",
+            str(found.filter_runs),
+            str(found.updates),
+            f"{perf_counter() - begun:.0f}",
+        )
+        print(f"| {function} | " + " | ".join(row) + " |", flush=True)
+    if expected:
+        print(
+            "\n" + ", ".join(f"{counts[each]} {each}" for each in ("right", "or_else", "wrong", "symptom", "nothing"))
+        )
+
+
 TYPICAL: Final = {
     **{f"{sensor}_axes": ("y x z",) for sensor in SENSOR_READINGS},
     "body_axes": ("y z x",),
@@ -295,11 +387,17 @@ def _chosen(names: Iterable[str], words: Sequence[str]) -> list[int]:
 
 def main() -> None:
     """Print the tables that were asked for."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=("separation", "healthy", "mistakes"))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("separation", "healthy", "mistakes", "cases"))
+    parser.add_argument("--folder", type=Path, help="of the mode cases")
     parser.add_argument("--filters", nargs="+", default=[""])
     parser.add_argument("--mistakes", nargs="+", default=[""])
     given = parser.parse_args()
+    if given.what == "cases":
+        if given.folder is None:
+            parser.error("cases needs --folder")
+        cases(given.folder.resolve(), given.filters)
+        return
     numbers = _chosen((each.full_name for each in contenders()), given.filters)
     if given.what == "separation":
         separation()

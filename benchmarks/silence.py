@@ -75,13 +75,12 @@ def of_the_league() -> Iterator[tuple[str, str, Callable[[Any], Any]]]:
             yield f"{each.full_name}; {put.name}", put.codes[0], put.into(estimator(number))
 
 
-def margins(estimate: Callable[[Any], Any]) -> tuple[float, float, dict[Repair, tuple[float, bool]]]:
-    """The error in a short course and the change by tiny errors, rad, and of each repair the margin and its worth."""
+def margins(estimate: Callable[[Any], Any]) -> tuple[float, dict[Repair, tuple[float, bool]]]:
+    """Error in a short course, rad, and of each repair the margin and whether it mends all courses."""
     search = Search(partial(each_alone, estimate), courses_of({}), MAX_RUNS)
     ((plain,),) = search.tried([((), search.short)])
-    change = max(search.changes(), default=0.0)
     found = {}
-    for repair in exact_repairs() if plain.error > search.floor or change else ():
+    for repair in exact_repairs() if plain.error > search.floor else ():
         sensor, _, what = repair.code.partition("_")
         if what != "units":
             continue
@@ -90,7 +89,7 @@ def margins(estimate: Callable[[Any], Any]) -> tuple[float, float, dict[Repair, 
             margin = search.drift_costs(sensor, (repair,))[0] / search.floor
             left = min(each.error for each in search.fully([(repair,)])) if margin > 1.0 else np.inf
             found[repair] = margin, left <= search.floor
-    return plain.error, change, found
+    return plain.error, found
 
 
 def main() -> None:
@@ -98,17 +97,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--league", action="store_true")
     all_found: dict[bool, list[tuple[float, bool]]] = {True: [], False: []}
-    print("| filter | error | change | margins; * mends all courses |\n| --- | --- | --- | --- |")
+    print("| filter | error | margins; * mends all courses |\n| --- | --- | --- |")
     for name, code, estimate in of_the_league() if parser.parse_args().league else own():
         try:
-            error, change, found = margins(estimate)
+            error, found = margins(estimate)
         except LieRigidBodyError as raised:
-            print(f"| {name} | {raised} | | |", flush=True)
+            print(f"| {name} | {raised} | |", flush=True)
             continue
         for repair, margin in found.items():
             all_found[repair.code == code].append(margin)
         told = ", ".join(f"{r.code} {r.text}: {margin:.3g}{'*' * mends}" for r, (margin, mends) in found.items())
-        print(f"| {name} | {np.degrees(error):.2g}° | {np.degrees(change):.2g}° | {told} |", flush=True)
+        print(f"| {name} | {np.degrees(error):.2g}° | {told} |", flush=True)
     for is_right, each in all_found.items():
         of_named = [margin for margin, mends in each if mends]
         print(f"{'units' if is_right else 'something else'} wrong: {len(each)} repairs, {len(of_named)} named", end="")
