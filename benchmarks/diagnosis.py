@@ -314,8 +314,8 @@ def functions_of(folder: Path) -> list[str]:
 
 def _takes_a_run(function: Callable[..., Any]) -> bool:
     """Whether a function can be called with one argument, ``run``."""
-    first, *others = signature(function).parameters.values() or [None]
-    return first is not None and first.name == "run" and all(each.default is not Parameter.empty for each in others)
+    parameters = list(signature(function).parameters.values())
+    return [each.name for each in parameters if each.default is Parameter.empty] == ["run"]
 
 
 def verdict(found: FilterDiagnosis, expected: Collection[str]) -> str:
@@ -323,7 +323,7 @@ def verdict(found: FilterDiagnosis, expected: Collection[str]) -> str:
     named = [mistake for mistake in found.mistakes if mistake.code not in expected]
     if named:
         return "or_else" if all({*mistake.or_else} & {*expected} for mistake in named) else "wrong"
-    shown = {each.code for each in (*found.failed, *found.notes)}
+    shown = {probe.code for probe in found.failed} | {note.code for note in found.notes}
     if found.mistakes or not expected or shown & {*expected}:
         return "right"
     return "symptom" if found.failed or found.first else "nothing"
