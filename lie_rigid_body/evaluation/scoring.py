@@ -343,8 +343,6 @@ def diagnose(
             return far
     if not evidence or not choice or not named:
         return Diagnosis()
-    if choice.converging:
-        return Diagnosis(of_sensors=choice.of_sensors)
     lag = Lag() if at_limit else lag_of(evidence.whole, named, longest_s, evidence.period_s)
     named = named if lag.lag_s is None or not lag.sure else evidence.with_lag(named, lag.lag_s)
     told = _in_words(track, evidence, named, named.parts) if named.causes else ()
@@ -353,6 +351,8 @@ def diagnose(
     if named.turned == PAIRS[1] and (named.lag_s is not None or error[0] > UNLIKE_DEG):
         many = False  # a filter whose gyro is on other axes begins right
     instead = turned.other() if (lost and not told) or many else None
+    if choice.converging and not instead:
+        return Diagnosis(of_sensors=choice.of_sensors)
     notes = _ahead(evidence, choice, lag)
     return Diagnosis(lag, (Finding(*instead, rms(error)),) if instead else told, choice.of_sensors, notes)
 
