@@ -370,8 +370,7 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     courses = [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
     ordered = search.in_order(chosen)
     for count, code in enumerate(("", *(each.code for each in ordered))):
-        beside = chosen if count else plain(search.trials)
-        repairs = (*ordered[:count], *(JOINT,) * (JOINT in beside.repairs))
+        repairs = (*ordered[:count], *(JOINT,) * (JOINT in chosen.repairs))
         answers = search.ask([Job(course, repairs) for course in courses])
         tracks = [answer.track for answer in answers if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
