@@ -33,6 +33,7 @@ OTHERS = {"echo", "g++", "sed", "timeout"}
 
 NOT_RUN = {
     r"make ": "sets up environments, and runs this suite: the workflow test.yml does",
+    r"git clone |python benchmarks/public_filters\.py ": "wants the network: the page has what the benchmark printed",
     r"(python3 -m )?pip install ": "wants the network: test/packaging installs the wheel in an environment of its own",
     r"(source|rosdep|colcon|export|ros2|rviz2) ": "wants ROS 2 from apt: test_ros2_commands.py holds the lines",
     r"python -m lie_rigid_body\.ros\.listen\b": "wants a node beside it: test/ros/test_listen.py",

@@ -102,6 +102,11 @@ def test_the_page_of_diagnose_has_every_code():
     assert all(f"`{note.code}`" in text for note in NOTES)
 
 
+def test_the_page_of_source_code_has_a_line_for_every_mistake():
+    text = (DOCS / "how-to" / "mistakes_in_code.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| `(\w+)`", text, re.MULTILINE)) == {*ORDER}
+
+
 def test_the_page_of_reliability_has_the_limits_of_what_filters_print():
     text = (DOCS / "explanation" / "reliability.md").read_text(encoding="utf-8")
     of_program, of_node = re.findall(r"^\| what the .*? prints.* \| (.+) \|$", text, re.MULTILINE)
