@@ -215,10 +215,12 @@ def drifting(sensor: str, share: float, given: Readings) -> Readings:
     """Readings of a gyro that drifts about the direction which only one sensor corrects.
 
     The drift is a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
-    vertical. The readings of the sensor are multiplied by a share.
+    vertical. The readings of the sensor are multiplied by a share. For the gyro there is no drift: it is heard where the
+    filter errs without it.
     """
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
-    rate = DRIFT * given.course.turn * given.course.parameter("imu_rate") * axis
+    share_of_rate = 0.0 if sensor == "gyro" else DRIFT
+    rate = share_of_rate * given.course.turn * given.course.parameter("imu_rate") * axis
     drifts = quaternion.rotate(quaternion.conjugate(given.course.at(given.t_ns)), rate)
     return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSOR_READINGS[sensor])
 
