@@ -79,6 +79,7 @@ def test_faults_of_its_delivery_are_its_own() -> None:
 
 def test_it_bounds_the_error_of_every_estimator() -> None:
     given: dict[str, Any] = {"imu_rate": 20.0, "magnetometer_rate": 20.0, "sensor_grade": "tactical"}
+    given["accelerometer_mode"] = "free_fall"
     without, beside = simulate(duration=5.0, **given), simulate(duration=5.0, **given, **ON)
     bounds = [run.cramer_rao_bound() for run in (without, beside)]
     assert bounds[0] is not None

@@ -215,8 +215,8 @@ def drifting(sensor: str, share: float, given: Readings) -> Readings:
     """Readings of a gyro that drifts about the direction which only one sensor corrects.
 
     The drift is a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
-    vertical. The readings of the sensor are multiplied by a share. For the gyro there is no drift: it is heard where the
-    filter errs without it.
+    vertical. The readings of the sensor are multiplied by a share. For the gyro there is no drift: it is heard where
+    the filter errs without it.
     """
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
     share_of_rate = 0.0 if sensor == "gyro" else DRIFT

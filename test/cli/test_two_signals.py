@@ -89,7 +89,8 @@ def test_a_second_signal_changes_nothing_at_any_moment(
 
 
 @pytest.mark.parametrize(
-    "name", [each if each == "record" else pytest.param(each, marks=pytest.mark.slow) for each in VERBS]
+    "name",
+    ["record", *(pytest.param(name, marks=[pytest.mark.slow, WITH_PARQUET]) for name in LONG_WORK if name != "record")],
 )
 def test_a_later_signal_ends_what_closes_for_ever(name: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """It has a line to say on stderr, a pipe that is full and that nobody reads."""
