@@ -267,7 +267,7 @@ class MessageTable:
     @cached_property
     def span_ns(self) -> tuple[int, int]:
         """The earliest and the latest log time, ns; `MAX_TIME` and 0 without messages."""
-        times = self.heads["log_time"].view(np.int64)
+        times = self.heads["log_time"]  # from 2^63 on as well: a damaged one may be anything
         return int(times.min(initial=MAX_TIME)), int(times.max(initial=0))
 
     @cached_property
