@@ -38,6 +38,6 @@ def test_the_notebook_shows_what_it_did(tmp_path: Path) -> None:
     assert [*told(new)] == shown, "run it anew: python docs/run_notebook.py"
     texts = [text for _, text in shown]
     assert any("heading_offset" in text for text in texts)
-    right = FilterDiagnosis((), (Probe("follows", True, "it errs by 0°", 0.0),), (), 1, 0.0, 0.1)
+    right = FilterDiagnosis((), (Probe("follows", True, "its error is 0°", 0.0),) * 2, (), 1, 0.0, 0.1)
     assert any(text.strip() == NUMBER.sub("0", str(right)) for text in texts)
     assert "image/png" in new.read_text(encoding="utf-8")
