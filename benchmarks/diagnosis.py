@@ -97,7 +97,8 @@ class Put:
             changed = {name: self.readings.get(name, lambda v: v)(vectors) for name, vectors in changed.items()}
             imu = SimpleNamespace(t_ns=run.imu.t_ns, gyro=changed["gyro"], specific_force=changed["specific_force"])
             field = SimpleNamespace(t_ns=run.magnetometer.t_ns, field=changed["field"])
-            return self.output(*estimate(SimpleNamespace(imu=imu, magnetometer=field, scenario=run.scenario)))
+            sensors = {"imu": imu, "magnetometer": field}
+            return self.output(*estimate(SimpleNamespace(**sensors, sensors=sensors, scenario=run.scenario)))
 
         return wrong
 
