@@ -461,7 +461,7 @@ class Answer:
     @property
     def t_s(self) -> Array:
         """Times since the first sample that counts, s, shape (N,)."""
-        return np.asarray((self.track.stamps_ns - self.track.origin) / 1e9)
+        return np.asarray((self.track.stamps_ns - self.track.stamps_ns[0]) / 1e9)
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
@@ -533,7 +533,7 @@ class Job:
         attitude = quaternion.normalize(np.where(broken[:, np.newaxis], IDENTITY, found.attitude_xyzw))
         rest = found.t_ns < 10**9 * int(course.settle_s + course.rest_s)
         counted = slice(int(np.searchsorted(found.t_ns, course.begin_ns)), None)
-        track = Matched(found.t_ns[counted], attitude[counted], course, is_level=self.is_level)
+        track = Matched(found.t_ns[counted], attitude[counted], course, origin_ns=0, is_level=self.is_level)
         causes = [(CODED[each.code], each.constants) for each in self.repairs if each.constants is not None]
         return Answer(
             undone(track, causes),
