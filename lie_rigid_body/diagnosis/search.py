@@ -270,6 +270,7 @@ class Search:
         self.deaf: tuple[str, ...] = ()
         self.scatter = self.chatter = self.growth = 0.0
         self.unstable_by = ""
+        self._short_error = np.pi
         self.needs_noise = self.needs_rest = False
         self.known: dict[tuple[Course, Repairs, int], Answer | FilterError] = {}
         self._rests: dict[object, float] = {}
@@ -460,6 +461,7 @@ class Search:
         if self._is_mended(1):
             return
         ((unrepaired,),) = self.tried([((), self.short)])
+        self._short_error = unrepaired.error
         singles = self._screened([(each,) for each in exact_repairs() if not self._moves_the_start_alone(each)], QUICK)
         changing = [trial.mistakes[0] for trial in singles if trial.changes(unrepaired)]
         self._scaled()
@@ -495,11 +497,9 @@ class Search:
         return not self.is_cut
 
     def _is_mended(self, count: int) -> bool:
-        """Whether so few repairs, without a constant, leave less than the floor: no later one is named instead."""
-        return any(
-            t.error <= self.floor and (len(t.codes) <= count - (count == 1 and t.rank[1] > 0))
-            for t in self.choice()[:1]
-        )
+        """Whether so few repairs leave less than the floor that no later one is named instead; of two one is fitted."""
+        limit = (count, count - 1)
+        return any(t.error <= self.floor and (len(t.codes) < count or t.rank[:2] <= limit) for t in self.choice()[:1])
 
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
         """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
@@ -524,7 +524,7 @@ class Search:
         least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
         best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
-        far = PRUNING_RATIO * max(self.floor, least[best[0]].error)
+        far = min(PRUNING_RATIO * max(self.floor, least[best[0]].error), max(self.floor, HALVED * self._short_error))
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
         finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
         known = {trial.mistakes for trial in self.trials}
