@@ -88,6 +88,7 @@ def test_a_second_signal_changes_nothing_at_any_moment(
         tried(name, tmp_path, seed, numba=numba)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["record", *(pytest.param(name, marks=[pytest.mark.slow, WITH_PARQUET]) for name in LONG_WORK if name != "record")],

@@ -50,6 +50,7 @@ def test_right_filter_has_no_mistake_and_passes_every_probe() -> None:
     assert [note.code for note in found.notes] == ["deaf"]  # the gyro
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "each"), sampled([(1, 3), (0, 7), (0, 20)], every=2))
 def test_right_filter_may_answer_some_readings(first: int, each: int) -> None:
     """What noise may leave is asked of these readings alone."""
@@ -164,6 +165,7 @@ def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(estimate: Callab
     assert (abs(probe.value - 3.0) < 0.5) == probe.passed
 
 
+@pytest.mark.slow
 def test_covariance_is_not_judged_without_the_noise_that_the_filter_assumes() -> None:
     found = diagnose(lambda run: textbook.triad_with_deviations(run))
     (probe,) = (probe for probe in found.probes if probe.code == "covariance")
@@ -171,12 +173,14 @@ def test_covariance_is_not_judged_without_the_noise_that_the_filter_assumes() ->
     assert found.passed
 
 
+@pytest.mark.slow
 def test_covariance_that_is_none_fails_in_one_line() -> None:
     found = diagnose(lambda run: lie_rigid_body.Estimate(textbook.triad(run), covariance=-np.eye(3)))
     assert failed(found) == ["covariance"]
     assert not found.probes[-1].message.startswith("covariance")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_quaternions_too_large_to_be_squared_are_not_finite() -> None:
     found = diagnose(lambda run: 1e308 * textbook.triad(run), max_runs=1)
@@ -247,6 +251,7 @@ def test_what_is_no_number_of_processes_is_one_line_and_status_2(
     assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("name", "workers", "timeout", "word"),
@@ -315,6 +320,7 @@ def test_filter_that_begins_with_one_attitude_is_judged_when_it_has_settled() ->
     assert found.rms_deg < found.floor_deg
 
 
+@pytest.mark.slow
 def test_filter_without_a_magnetometer_is_judged_by_its_vertical() -> None:
     found = diagnose(lambda run: textbook.without_a_magnetometer(run), max_runs=1, **SLOWLY)
     assert {note.code: note.value for note in found.notes}["deaf"] == "magnetometer"
@@ -428,6 +434,7 @@ def repairs_by_units(estimate: Callable[[Any], Any], code: str) -> tuple[Search,
     return search, [trial for (trial,) in search.tried(units) if trial.error < search.floor]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("estimate", "code"),
     [

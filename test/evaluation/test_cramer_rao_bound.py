@@ -99,6 +99,7 @@ def test_a_tiny_noise_is_not_lost_in_rounding(noise):
     np.testing.assert_allclose(found.smoothed[0], np.diag(wanted), rtol=0, atol=5e-3 * noise**2)
 
 
+@pytest.mark.slow
 def test_the_dynamic_bound_is_that_of_all_unknowns_of_the_exact_motion():
     """By the normal equations of the start and the biases, with Euler's equations integrated by SciPy."""
     inertia, count = np.array([1.0, 2.0, 2.5]), 12

@@ -84,6 +84,7 @@ def test_rates_tell_a_lag_whatever_the_frames(late_s):
     assert lags_of_rates(Matched(T_NS, steady, SampledTruth(T_NS, steady)), 10.0) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.5, 1.0, 3.0])
 def test_what_converges_through_the_whole_run_is_no_constant(memory):
     """A heading that decays with a time constant of half a run to three runs; one that stays is named."""
@@ -109,6 +110,7 @@ def before_its_step(rate: np.ndarray, true: np.ndarray, gain: float) -> np.ndarr
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [0.5, 2.0, 10.0])
 @pytest.mark.parametrize("steady", [[0.0, 0.0, 0.0], [0.3, 1.0, 0.5]])
 def test_a_filter_that_compares_before_its_step_has_a_note_and_no_mounting(gain, steady):

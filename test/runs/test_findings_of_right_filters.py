@@ -100,6 +100,7 @@ def test_a_filter_whose_north_is_magnetic_is_told_the_declination_and_nothing_el
     assert "lie-rigid-body diagnose" in finding.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("grade", "ahead"),
     [
