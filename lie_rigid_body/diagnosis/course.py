@@ -179,7 +179,7 @@ class Course(Truth):
     def turn(self) -> float:
         """Mean turn between two readings of the gyro while the body moves, rad."""
         times = (self.settle_s + self.rest_s + np.linspace(0.0, self.moving_s, 500)) * 1e9
-        return float(np.mean(norm(self.states(times.astype(np.int64))[1])) / self.parameter("imu_rate"))
+        return float(np.mean(norm(self.states(times.astype(np.int64))[1])) / self.rate)
 
 
 @dataclass(frozen=True)

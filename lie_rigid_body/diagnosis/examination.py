@@ -275,8 +275,8 @@ def diagnose(
         )
         remarks = [f"Each run of a node takes seconds: it is not probed for {', '.join(left_out)}."] * is_node
         found = examined(search, remarks if source else [_ALONE], left_out)
-    weightless = _FREE_FALL * (given.get("accelerometer_mode") == "free_fall" or not courses[0].parameter("gravity"))
-    return replace(found, first=(*filter(None, [weightless]), *found.first))
+    weightless = given.get("accelerometer_mode") == "free_fall" or not courses[0].parameter("gravity")
+    return replace(found, first=(_FREE_FALL, *found.first)) if weightless else found
 
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:

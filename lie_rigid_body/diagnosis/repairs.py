@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
-from typing import Any, Final, get_args
+from typing import Any, Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
@@ -16,7 +15,7 @@ from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.estimates.estimators import Estimator, called
 from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, angles_between, named
-from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, UP, Cause, Order, undone
+from lie_rigid_body.evaluation.causes import CAUSES, EULER_ORDERS, IDENTITY, NED, UP, Cause, euler_angles, undone
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of
 from lie_rigid_body.evaluation.statistics import rms
@@ -42,8 +41,6 @@ MAX_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
 """Norm of a quaternion from which its square is beyond float64."""
 PERTURBED: Final = float(np.radians(2.0))
 """Angle by which the readings of a sensor are turned to see whether a filter hears it, rad."""
-NED: Final = np.sqrt([0.5, 0.5, 0.0, 0.0])
-"""Quaternion of the rotation from our world, east, north, up, to north, east, down."""
 SCALE: Final = 0.02
 """Distance from 1 up to which a factor of the gyro is a property of the filter."""
 DRIFT: Final = 0.1
@@ -141,10 +138,15 @@ JOINT: Final = Repair(
 """Change for a filter that is ahead by one sample and otherwise right: it is no mistake, and has no price."""
 
 
+def text_of(matrix: Array) -> str:
+    """Text of a permutation of axes with signs: ``y x -z``."""
+    return named(matrix).replace(",", "")
+
+
 def _axes() -> Iterator[Repair]:
     """Wrong axes of one sensor, with any permutation and signs, and of all sensors, with any such rotation."""
     for matrix in SIGNED_PERMUTATIONS[1:]:
-        name = named(matrix).replace(",", "")
+        name = text_of(matrix)
         wrong = "the axes of the {} in another order or sign" if name != "-x -y -z" else "the {} with the opposite sign"
         for sensor in SENSOR_READINGS:
             yield Repair(
@@ -220,7 +222,7 @@ def drifting(sensor: str, share: float, given: Readings) -> Readings:
     """
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
     share_of_rate = 0.0 if sensor == "gyro" else DRIFT
-    rate = share_of_rate * given.course.turn * given.course.parameter("imu_rate") * axis
+    rate = share_of_rate * given.course.turn * given.course.rate * axis
     drifts = quaternion.rotate(quaternion.conjugate(given.course.at(given.t_ns)), rate)
     return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSOR_READINGS[sensor])
 
@@ -266,7 +268,7 @@ OF_VECTOR: Final = [P for P in SIGNED_PERMUTATIONS[1:] if np.trace(P) > -3.0]
 
 
 def _name_of_axes(chosen: Array) -> str:
-    return named(OF_VECTOR[int(chosen[0])]).replace(",", "")
+    return text_of(OF_VECTOR[int(chosen[0])])
 
 
 def _vector_permuted(track: Matched, chosen: Array) -> Matched:
@@ -284,17 +286,11 @@ def _composed(angles: Array, chosen: Array) -> Array:
     return np.asarray(found).reshape(*angles.shape[:-1], 4)
 
 
-def _angles(track: Matched, order: int) -> Array:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
-        return np.asarray(scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(EULER_ORDERS[order]))
-
-
 def _best_order(tracks: MatchedRuns) -> list[Array]:
     """The orders and signs of Euler angles that leave the least error."""
     few = [track.thinned() for track in tracks]
     truth = np.concatenate([track.truth_xyzw for track in few])
-    of_order = [np.concatenate([_angles(track, order) for track in few]) for order in range(len(EULER_ORDERS))]
+    of_order = [np.concatenate([euler_angles(track, order) for track in few]) for order in EULER_ORDERS]
     every = np.ndindex(len(EULER_ORDERS), len(EULER_ORDERS), len(SIGNS))
     chosen = [np.array(each) for each in every if each[0] != each[1] or each[2]]
     alike = [np.sum(np.sum(_composed(of_order[each[0]], each) * truth, axis=-1) ** 2) for each in chosen]
@@ -311,13 +307,14 @@ def _order_told(c: Array) -> str:
     return f"are put together as {wrong_order} instead of {right_order}{signed}"
 
 
-EULER_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 SIGNS: Final = np.array(list(product((1.0, -1.0), repeat=3)))
 """Signs of three angles, shape (8, 3)."""
 EULER: Final = Cause(
     "euler_order",
     0,
-    lambda track, chosen: replace(track, attitude_xyzw=_composed(_angles(track, int(chosen[0])), chosen)),
+    lambda track, chosen: replace(
+        track, attitude_xyzw=_composed(euler_angles(track, EULER_ORDERS[int(chosen[0])]), chosen)
+    ),
     _best_order,
     lambda c: f"The three Euler angles {_order_told(c)}",
     lambda c: "Put together in the right way they leave",
@@ -363,7 +360,7 @@ def exact_repairs() -> tuple[Repair, ...]:
     worlds = (
         Repair(
             "gyro_world_axes",
-            f"gyro on the axes {named(matrix).replace(',', '')} of the world",
+            f"gyro on the axes {text_of(matrix)} of the world",
             0,
             partial(_on_world_axes, matrix),
             "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",

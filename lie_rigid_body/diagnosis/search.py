@@ -36,11 +36,9 @@ from lie_rigid_body.diagnosis.repairs import (
     perturbed,
     without,
 )
-from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import FilterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
@@ -423,15 +421,15 @@ class Search:
         if not (exact and again and nearly):
             return
         self.scatter = exact.track.max_difference(again.track)
-        change = differences(exact, nearly)
-        long = [self.answer(each, *best.repairs) for each in (self.long, self.long.nearly_perfect())]
-        later = differences(*long)
+        change = exact.track.differences(nearly.track)
+        long, nearly_long = (self.answer(each, *best.repairs) for each in (self.long, self.long.nearly_perfect()))
+        later = long.track.differences(nearly_long.track) if long and nearly_long else np.zeros(0)
         level = rms(change[-len(change) // 3 :])
         growth = rms(later[-len(later) // 3 :]) if later.size else level
         grows = level > NEAR * rms(change[: len(change) // 3]) or growth > NEAR * level
         if grows and max(level, growth) > max(self.floor, NEAR * best.error, NEAR * self.scatter):
             self.growth = max(level, growth)
-            before = long[1].error(0.9) if long[1] else np.pi
+            before = nearly_long.error(0.9) if nearly_long else np.pi
             signs = {sensor: self._negated(best, sensor) for sensor in ("accelerometer", "magnetometer")}
             self.unstable_by = next((s for s, error in signs.items() if error <= max(self.floor, MENDED * before)), "")
         elif level > max(self.floor, NEAR * self.scatter):
@@ -674,14 +672,6 @@ def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
     errors = np.array([trial.parts for trial in trials])
     places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
     return [trials[number] for number in np.argsort(places, kind="stable")]
-
-
-def differences(one: Answer | None, other: Answer | None) -> Array:
-    """Angles between the attitudes of two answers, rad; none where the filter failed."""
-    if one is None or other is None:
-        return np.zeros(0)
-    both = min(len(one.track.stamps_ns), len(other.track.stamps_ns))
-    return np.asarray(angles_between(one.track.attitude_xyzw[:both], other.track.attitude_xyzw[:both]))
 
 
 def least(error: Callable[[float], float], around: float, step: float) -> float:

@@ -33,6 +33,8 @@ UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
+NED: Final = np.sqrt([0.5, 0.5, 0.0, 0.0])
+"""Quaternion of the rotation from our world, east, north, up, to north, east, down; its own inverse."""
 MIN_COVERED: Final = 0.25
 """Smallest share of the samples that a constant of the stamps puts within the truth's times."""
 CONVERGED: Final = 1e-4
@@ -184,13 +186,17 @@ def _by_map(*maps: Array) -> Callable[[Matched, Array], Matched]:
 
 def _reordered(track: Matched, orders: Array) -> Matched:
     """The attitude of the same three angles in another order of axes."""
-    rotation = scipy.spatial.transform.Rotation
-    wrong, right = (_ORDERS[int(order)] for order in orders)
+    wrong, right = (EULER_ORDERS[int(order)] for order in orders)
+    sorted_angles = euler_angles(track, wrong)[:, [wrong.index(axis) for axis in right]]
+    attitude = scipy.spatial.transform.Rotation.from_euler(right, sorted_angles).as_quat()
+    return replace(track, attitude_xyzw=attitude)
+
+
+def euler_angles(track: Matched, order: Order) -> Array:
+    """Angles of turns about axes of the body, in an order, shape (N, 3), rad."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
-        given = rotation.from_quat(track.attitude_xyzw).as_euler(wrong)
-    sorted_angles = given[:, [wrong.index(axis) for axis in right]]
-    return replace(track, attitude_xyzw=rotation.from_euler(right, sorted_angles).as_quat())
+        return np.asarray(scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(order))
 
 
 def _moved(track: Matched, lag_s: Array) -> Matched:
@@ -262,11 +268,11 @@ def _lag(sign: float, tracks: MatchedRuns) -> Sequence[Array]:
 
 
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
-_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
+EULER_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
-_Z_UP: Final = _left(np.sqrt([[0.5, 0.5, 0.0, 0.0]]))[0]
+_Z_UP: Final = _left(NED[np.newaxis])[0]
 """Exchange of x and y of the world, with z negated: half a turn about (1, 1, 0), its own inverse."""
 _Z_UP_AND_FLU: Final = _Z_UP @ _right(np.eye(4)[:1])[0]
 """Exchange of the world beside half a turn about the body's x axis, its own inverse as well."""
@@ -434,4 +440,4 @@ def late(lag_s: float) -> Part:
 
 
 def _order(number: float) -> str:
-    return " ".join(_ORDERS[int(number)].lower())
+    return " ".join(EULER_ORDERS[int(number)].lower())

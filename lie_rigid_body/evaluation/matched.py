@@ -102,10 +102,14 @@ class Matched:
         error = angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(self.truth_xyzw)))
         return error._replace(total=error.inclination) if self.is_level else error
 
-    def max_difference(self, other: Matched) -> float:
-        """Largest difference from other attitudes, sample by sample while both go on, rad."""
+    def differences(self, other: Matched) -> Array:
+        """Angles to other attitudes, sample by sample while both go on, rad."""
         both = min(len(self.stamps_ns), len(other.stamps_ns))
-        return float(np.max(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])))
+        return np.asarray(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both]))
+
+    def max_difference(self, other: Matched) -> float:
+        """Largest of these differences, rad."""
+        return float(np.max(self.differences(other)))
 
     def turn_ratio(self) -> float:
         """Turn of the estimate from sample to sample about the axis of the true one, as a multiple of that."""
