@@ -12,7 +12,7 @@ from reader import DOCS
 
 
 def test_attitudes_are_turned_and_those_that_are_not_finite_stay_so() -> None:
-    turn, *attitudes = Rotation.random(4, rng=1)
+    turn, *attitudes = Rotation.from_rotvec(np.random.default_rng(1).normal(size=(4, 3)))
     given = np.array([each.as_quat() for each in attitudes] + [[np.nan, 0.0, 0.0, 1.0]])
     found = public_filters.product(turn.as_quat(), given)
     right = [(turn * each).as_matrix() for each in attitudes]
