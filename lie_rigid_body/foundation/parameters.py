@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping, Set
+from collections.abc import Collection, Mapping, Sequence, Set
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias
@@ -73,8 +73,8 @@ class Parameter:
     default : value of that kind
     description : str
         One sentence, with the unit.
-    lengths : tuple of int, optional
-        Allowed lengths of an array.
+    lengths : sequence of int, optional
+        Allowed lengths of an array; a range stands for the multiples of its step.
     minimum, maximum : float, optional
         Inclusive range of a number, or of each number of an array.
     choices : tuple of str, optional
@@ -88,7 +88,7 @@ class Parameter:
     kind: Kind
     default: Value
     description: str
-    lengths: tuple[int, ...] = ()
+    lengths: Sequence[int] = ()
     minimum: float = -math.inf
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
@@ -145,9 +145,16 @@ class Parameter:
             )
         return number
 
-    def _example(self) -> str:
+    @property
+    def wanted_numbers(self) -> str:
+        """How many finite numbers an array has, in words; empty where it is no array of numbers."""
+        if isinstance(self.lengths, range):
+            return f"a multiple of {self.lengths.step} finite numbers, at most {self.lengths[-1]}"
         wanted = " or ".join(str(n) for n in self.lengths)
-        return f"{wanted} finite numbers" if wanted else f"for example {self.default!r}"
+        return f"{wanted} finite numbers" if wanted else ""
+
+    def _example(self) -> str:
+        return self.wanted_numbers or f"for example {self.default!r}"
 
     def _integer(self, value: object) -> int:
         is_beyond = isinstance(value, float) and abs(value) >= 2.0**63  # as YAML and rcl read longer integers

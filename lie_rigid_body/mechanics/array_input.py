@@ -165,6 +165,11 @@ class ArraysOnly(Immutable):
         made._hold(*arrays)
         return made
 
+    def joined(self, later: Self) -> Self:
+        """These, of N instants, and later ones."""
+        pairs = ((getattr(self, name), getattr(later, name)) for name in self.__slots__)
+        return self.trusted(*map(np.concatenate, pairs))
+
     def _hold(self, *arrays: Array) -> None:
         for name, array in zip(self.__slots__, arrays, strict=True):
             array.setflags(write=False)

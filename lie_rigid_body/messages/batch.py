@@ -52,19 +52,22 @@ class PoseTwistEncoder:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        # position and linear velocity stay zero; the rotation's numbers follow them
-        self._pose = Layout(header(scenario.world_frame), [0.0] * POSE_NUMBERS, [range(3, 7)])
-        twist = ([0.0] * TWIST_NUMBERS, [range(3, 6)])
+        rest = [*scenario.initial_position, *[0.0] * (POSE_NUMBERS - 3)]
+        moved = [] if scenario.translation == "none" else [range(3)]
+        self._pose = Layout(header(scenario.world_frame), rest, [*moved, range(3, 7)])
+        twist = ([0.0] * TWIST_NUMBERS, [*moved, range(3, 6)])
         stamped = scenario.stamped_twist
         self._twist = Layout(header(scenario.body_frame), *twist) if stamped else Layout(ENCAPSULATION, *twist, None)
 
     def poses(self, samples: Samples) -> Payloads:
-        """Encode one geometry_msgs/PoseStamped for each sample, with the position 0."""
-        return self._pose.encode(samples.stamps_ns, samples.states.attitude_xyzw)
+        """Encode one geometry_msgs/PoseStamped for each sample."""
+        position = [] if samples.centre is None else [samples.centre.position]
+        return self._pose.encode(samples.stamps_ns, *position, samples.states.attitude_xyzw)
 
     def twists(self, samples: Samples) -> Payloads:
-        """Encode one geometry_msgs/TwistStamped or Twist for each sample, with the linear velocity 0."""
-        return self._twist.encode(samples.stamps_ns, samples.states.body_rate)
+        """Encode one geometry_msgs/TwistStamped or Twist for each sample, on the body's axes."""
+        velocity = [] if samples.centre is None else [samples.centre.body_velocity(samples.states)]
+        return self._twist.encode(samples.stamps_ns, *velocity, samples.states.body_rate)
 
 
 class ReadingEncoder:

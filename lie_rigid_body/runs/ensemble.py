@@ -38,7 +38,13 @@ _KEPT_BYTES: Final = 160
 """Memory for each reading that a run keeps, bytes."""
 _RUN_BYTES: Final = 2**16
 """Memory that a run takes beside its arrays, bytes."""
-WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
+WITHHELD: Final = (
+    "initial_attitude_xyzw",
+    "initial_body_rate",
+    *("kicks", "kick_period", "translation", "initial_position", "initial_velocity"),
+    *("sway_acceleration", "sway_band", "sway_seed"),
+    "sensor_seed",
+)
 """Parameters that would tell the truth, or the noise."""
 _TELLING: Final = ("attitude", "score", "to_bag", "certificate", "cramer_rao_bound", "gyro_bias_at")
 """Methods of a run that need the truth, which a run without it refuses."""
@@ -283,6 +289,10 @@ class BlindRun(Run):
             "magnetometer": SensorArrays(field_t_ns, field_t_ns, {"field": vectors["field"]}),
         }
         return cls(t_ns, _NO_TRUTH, sensors, _blind(scenario))
+
+    @property
+    def _centre(self) -> None:
+        return None
 
     def __getattribute__(self, name: str) -> Any:
         if name in _TELLING:

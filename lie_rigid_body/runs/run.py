@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -24,6 +25,9 @@ from lie_rigid_body.foundation.showing import Shown, data_frame
 from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS_TOPIC
+from lie_rigid_body.motion.harmonics import Harmonics
+from lie_rigid_body.motion.kicks import Kicks
+from lie_rigid_body.motion.translation import MassCentre
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.samples import samples_in_memory
 from lie_rigid_body.recording.topic_discovery import require_topics
@@ -73,6 +77,13 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         The scenario in force from the start, and after each reset.
     faults : tuple of Fault
         What went wrong with the sensors, in the order in which it began.
+    position, velocity, acceleration : ndarray, shape (N, 3), or None
+        Of the mass centre in the world frame at the stamps of the truth, m, m/s and m/s²; None where the truth is
+        withheld.
+    kicks : Kicks
+        Stamps, ns, and body rates right after the kicks, rad/s, up to the last sample.
+    sway, vibration : Harmonics or None
+        The harmonics of the acceleration of the mass centre, and of the accelerometer's mount; None without.
     """
 
     t_ns: Integers
@@ -111,6 +122,56 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(sensor.key for sensor in SENSORS.values())]
+
+    @cached_property
+    def _centre(self) -> MassCentre | None:
+        """The mass centre at the stamps of the truth; None where that is withheld."""
+        parts = [
+            segment.scenario.mass_centre().at(self.t_ns[rows] - segment.start_ns) for segment, rows in self._parts()
+        ]
+        return functools.reduce(MassCentre.joined, parts)
+
+    def _parts(self) -> Iterator[tuple[Segment, slice]]:
+        """The segments, and the samples of the truth that are theirs."""
+        bounds = np.searchsorted(self.t_ns, [segment.start_ns for segment in self.segments[1:]])
+        for segment, begin, end in zip(self.segments, [0, *bounds], [*bounds, len(self.t_ns)], strict=True):
+            yield segment, slice(begin, end)
+
+    @property
+    def position(self) -> Array | None:
+        """Position of the mass centre in the world frame, m, shape (N, 3)."""
+        return None if self._centre is None else self._centre.position
+
+    @property
+    def velocity(self) -> Array | None:
+        """Velocity of the mass centre in the world frame, m/s, shape (N, 3)."""
+        return None if self._centre is None else self._centre.velocity
+
+    @property
+    def acceleration(self) -> Array | None:
+        """Acceleration of the mass centre in the world frame, m/s², shape (N, 3)."""
+        return None if self._centre is None else self._centre.acceleration
+
+    @cached_property
+    def kicks(self) -> Kicks:
+        """The kicks up to the last sample of the truth, by their stamps, ns."""
+        parts = []
+        for segment, rows in self._parts():
+            last_ns = int(self.t_ns[rows][-1]) if rows.stop > rows.start else segment.start_ns
+            times_ns, rates = segment.scenario.kick_schedule().until(last_ns - segment.start_ns)
+            parts.append((times_ns + segment.start_ns, rates))
+        return Kicks(np.concatenate([t for t, _ in parts]), np.concatenate([rates for _, rates in parts]))
+
+    @property
+    def sway(self) -> Harmonics | None:
+        """The harmonics of the acceleration of the mass centre; of a run with resets those of its first scenario."""
+        return self.scenario.sway()
+
+    @property
+    def vibration(self) -> Harmonics | None:
+        """The harmonics of the oscillation of the accelerometer's mount; None without."""
+        imu = self.scenario.sensors.imu
+        return None if imu is None else imu.vibration
 
     @classmethod
     def of(cls, simulation: Simulation, end_ns: int) -> Run:
@@ -418,7 +479,8 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
                     "take their topic out of the bag that it is from"
                 )
         faults = tuple(fault for fault in self.faults if begin_ns <= fault.begin_ns < end_ns)
-        return SimulationStep(Samples(self.t_ns, self.truth)[kept], sensors, faults)
+        centre = None if segment.scenario.translation == "none" else self._centre
+        return SimulationStep(Samples(self.t_ns, self.truth, centre)[kept], sensors, faults)
 
 
 def require_run(run: object) -> None:

@@ -7,21 +7,27 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
-from functools import wraps
+from functools import partial, wraps
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, plain, whole_number
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain, whole_number
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import Value, require_frame_name
 from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
+from lie_rigid_body.motion.harmonics import Harmonics
+from lie_rigid_body.motion.kicks import KickedClosedForm, KickedSteps, Kicks
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
+from lie_rigid_body.motion.translation import Carried, Resting, SwayClock, Thrown, Translation, ramp_s
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
+from lie_rigid_body.sensors.noise import NoiseSource, harmonics
+from lie_rigid_body.sensors.parameters import require_band
+from lie_rigid_body.sensors.sensor import Carrier
 
 MAX_ROTATION_PER_STEP: Final = 1.0
 """Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The
@@ -30,6 +36,7 @@ Moser–Veselov steppers limit their steps themselves."""
 MIN_STEP: Final = 1e-9
 """Smallest step that a refusal advises, s."""
 
+_NOT_CARRIED: Final = "translation is not carried"
 _OF_THE_MOTION: Final = tuple(parameter.name for parameter in OWN if parameter.scope == "scenario")
 
 _Result = TypeVar("_Result")
@@ -73,6 +80,14 @@ class Scenario:
     motion: str
     method: str
     max_step: float
+    kicks: tuple[float, ...]
+    kick_period: float
+    translation: str
+    initial_position: tuple[float, ...]
+    initial_velocity: tuple[float, ...]
+    sway_acceleration: tuple[float, ...]
+    sway_band: tuple[float, ...]
+    sway_seed: int
     world_frame: str
     body_frame: str
     stamped_twist: bool
@@ -122,7 +137,7 @@ class Scenario:
         """Names and values of the parameters, in the order of the table.
 
         They are those of the motion, those of each sensor that is on and of all sensors, and of others what is not at
-        its default.
+        its default. The gravity is one of the motion where the body is thrown.
         """
         off = self.sensors.off_parameters if self.has_sensors else set(SENSORS.parameters)
         of_sensors = {
@@ -130,7 +145,8 @@ class Scenario:
             for name, value in self.sensor_parameters
             if name not in off or value != SENSORS.parameters[name].default
         }
-        return {**{name: getattr(self, name) for name in _OF_THE_MOTION}, **of_sensors}
+        of_fall = {"gravity": self.value("gravity")} if self.translation == "thrown" else {}
+        return {**{name: getattr(self, name) for name in _OF_THE_MOTION}, **of_fall, **of_sensors}
 
     def value(self, parameter: str) -> Value:
         """Value of a parameter, of a sensor that is off as well."""
@@ -151,8 +167,27 @@ class Scenario:
 
     @property
     def without_effect(self) -> list[str]:
-        """Sentences, without their full stops, about parameters of sensors that are off."""
-        return without_effect(dict(self.sensor_parameters))
+        """Sentences, without their full stops, about parameters of what is off."""
+        unused = (
+            ("kick_period", not self.kicks, "there are no kicks"),
+            *((f"sway_{of}", self.translation != "carried", _NOT_CARRIED) for of in ("acceleration", "band", "seed")),
+            ("initial_velocity", self.translation == "none", "translation is none"),
+        )
+        return [
+            *(
+                f"{name} has no effect, as {why}: give what switches it on"
+                for name, is_unused, why in unused
+                if is_unused and getattr(self, name) != BY_NAME[name].default
+            ),
+            *without_effect(self._used_sensor_parameters()),
+        ]
+
+    def _used_sensor_parameters(self) -> dict[str, Value]:
+        """Values of the parameters of sensors; the gravity at its default where a thrown body uses it."""
+        values = dict(self.sensor_parameters)
+        if self.translation == "thrown":
+            values["gravity"] = SENSORS.parameters["gravity"].default
+        return values
 
     @property
     def sensor_grade(self) -> str:
@@ -170,17 +205,51 @@ class Scenario:
         return State(self.initial_attitude_xyzw, self.initial_body_rate)
 
     @_computed_once
-    def exact_motion(self) -> ClosedForm:
+    def kick_schedule(self) -> Kicks:
+        """The kicks, by their times in ns."""
+        return Kicks.of(self.kicks, self.kick_period)
+
+    @_computed_once
+    def exact_motion(self) -> Motion:
         """The exact solution from the start, at times before it as well, whatever the motion that is asked for."""
-        return ClosedForm(self.body(), self.start())
+        free = partial(ClosedForm, self.body())
+        return KickedClosedForm(self.kick_schedule(), self.start(), free) if self.kicks else free(self.start())
 
     def make_motion(self) -> Motion:
         """A new motion from the start."""
         return copy.copy(self.exact_motion() if self.motion == "closed_form" else self._moving_chart())
 
     @_computed_once
-    def _moving_chart(self) -> MovingChart:
-        return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
+    def _moving_chart(self) -> Motion:
+        free = partial(MovingChart, self.body(), method=self.method, max_step=self.max_step)
+        return KickedSteps(self.kick_schedule(), self.start(), free) if self.kicks else free(self.start())
+
+    @_computed_once
+    def sway(self) -> Harmonics | None:
+        """Acceleration of the carried mass centre; None where it is not carried, or does not sway."""
+        if self.translation != "carried" or not any(self.sway_acceleration):
+            return None
+        return harmonics(self.sway_seed, NoiseSource.SWAY, self.sway_acceleration, self.sway_band)
+
+    @_computed_once
+    def mass_centre(self) -> Translation:
+        """Motion of the mass centre."""
+        if self.translation == "none":
+            return Resting(self.initial_position)
+        if self.translation == "thrown":
+            gravity = cast(float, self.value("gravity"))
+            return Thrown(self.initial_position, self.initial_velocity, gravity)
+        starts_at_rest = not any(self.initial_body_rate)
+        clock = SwayClock(self.kick_schedule(), starts_at_rest=starts_at_rest, ramp_s=ramp_s(self.sway_band))
+        return Carried(self.initial_position, self.initial_velocity, self.sway(), clock)
+
+    def carrier(self) -> Carrier:
+        """What the sensors are fixed to."""
+        acceleration = None if self.sway() is None else self._acceleration
+        return Carrier(self.body(), acceleration, falls=self.translation == "thrown")
+
+    def _acceleration(self, t_ns: Integers) -> Array:
+        return self.mass_centre().at(t_ns).acceleration
 
     def __getstate__(self) -> dict[str, object]:
         """The fields alone: a copy computes the rest anew."""
@@ -189,17 +258,12 @@ class Scenario:
     @_computed_once
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
-        body = self.body()
-        start = self.start()
-        smallest = float(body.principal_moments[0])
-        by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
-        by_momentum = float(norm(body.body_momentum(start))) / smallest
-        bound = min(by_energy, by_momentum)
-        if 0.0 < bound < math.inf or not start.body_rate.any():
-            return bound
-        size = float(norm(start.body_rate))  # quotients overflow, or the energy underflows
-        unit = State(start.attitude_xyzw, start.body_rate / size)
-        return size * math.sqrt(2.0 * float(body.kinetic_energy(unit))) / math.sqrt(smallest)
+        return float(_rate_bounds(self.body(), self._arc_starts()).max())
+
+    def _arc_starts(self) -> State:
+        """The start, and the rates after K kicks, at the attitude of the start, which bounds nothing."""
+        rates = np.concatenate([[self.initial_body_rate], self.kick_schedule().body_rate])
+        return State.trusted(np.tile(self.start().attitude_xyzw, (len(rates), 1)), rates)
 
     @property
     def rates(self) -> list[float]:
@@ -244,10 +308,11 @@ class Scenario:
         for name in ("world_frame", "body_frame"):
             require_frame_name(name, getattr(self, name))
         self._require_distinct_frames()
+        require_band("sway_band", self.sway_band)
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body = self.body()
-            start = self._valid_start()
-            _require_normal(body, start)
+            self._valid_start()
+            _require_normal(body, self._arc_starts())
         fastest = self.rate_bound()
         if self.motion == "moving_chart":
             self._require_possible_steps(fastest)
@@ -297,24 +362,40 @@ def _shorter(longest: float) -> str:
     return f"give at most {step:g} s, or " if step >= MIN_STEP else ""
 
 
-def _require_normal(body: RigidBody, start: State) -> None:
+def _rate_bounds(body: RigidBody, starts: State) -> Array:
+    """Bounds of the body rate along the free motions from N states, rad/s, shape (N,)."""
+    smallest = float(body.principal_moments[0])
+    by_energy = np.sqrt(2.0 * body.kinetic_energy(starts) / smallest)
+    by_momentum = norm(body.body_momentum(starts)) / smallest
+    bounds = np.minimum(by_energy, by_momentum)
+    lost = starts.body_rate.any(axis=1) & ~((bounds > 0.0) & np.isfinite(bounds))
+    if lost.any():  # quotients overflow, or the energy underflows
+        sizes = norm(starts.body_rate[lost])
+        unit = State.trusted(starts.attitude_xyzw[lost], starts.body_rate[lost] / sizes[:, np.newaxis])
+        bounds[lost] = sizes * np.sqrt(2.0 * body.kinetic_energy(unit)) / math.sqrt(smallest)
+    return np.asarray(bounds)
+
+
+def _require_normal(body: RigidBody, starts: State) -> None:
     """Refuse what is out of the range of double precision; an energy may be so small that it is 0."""
-    if not (_is_normal(body.principal_moments) and _is_normal(1.0 / body.principal_moments)):
+    if not (_are_normal(body.principal_moments).all() and _are_normal(1.0 / body.principal_moments).all()):
         raise ParameterError(
             "inertia",
             f"principal moments {numerals(body.principal_moments)}, or their inverses, are beyond double precision: "
             "give moments between 1e-300 and 1e300 kg m²",
         )
-    energy = body.kinetic_energy(start)
-    momentum = norm(body.body_momentum(start))
-    if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
+    energies = body.kinetic_energy(starts)
+    momenta = norm(body.body_momentum(starts))
+    impossible = np.flatnonzero([~(_are_normal(values) | (values == 0.0)) for values in (energies, momenta)])
+    if impossible.size:
+        first = int(impossible.min() % len(energies))
         raise ParameterError(
-            "initial_body_rate",
-            f"{numerals(start.body_rate)} rad/s gives an energy of {energy:g} J and a momentum of {momentum:g} "
-            "kg m²/s, beyond double precision: give an ordinary rate, or zeros",
+            "kicks" if first else "initial_body_rate",
+            f"{numerals(starts.body_rate[first])} rad/s gives an energy of {energies[first]:g} J and a momentum of "
+            f"{momenta[first]:g} kg m²/s, beyond double precision: give an ordinary rate, or zeros",
         )
 
 
-def _is_normal(values: Array) -> bool:
-    """Whether positive numbers are normal in double precision: finite, and not so small that they lose digits."""
-    return bool(np.all(np.isfinite(values) & (values >= np.finfo(np.float64).tiny)))
+def _are_normal(values: Array) -> Booleans:
+    """Which positive numbers are normal in double precision: finite, and not so small that they lose digits."""
+    return np.isfinite(values) & (values >= np.finfo(np.float64).tiny)

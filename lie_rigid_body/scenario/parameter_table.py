@@ -7,8 +7,13 @@ from typing import Final
 
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
 from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.kicks import KICK_NUMBERS, MAX_KICKS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from lie_rigid_body.sensors import SENSORS, graded
+from lie_rigid_body.sensors.parameters import harmonics_parameters
+
+MAX_TRANSLATION: Final = 1e9
+"""Largest size of positions, m, and velocities, m/s, on each axis, and the largest period of kicks, s."""
 
 OWN: Final = (
     Parameter(
@@ -55,6 +60,51 @@ OWN: Final = (
         "Largest step of the moving chart, s; 0: as long as the method allows (dmv20: a turn of ¼ rad; others: 1 ms).",
         minimum=0.0,
         maximum=1e6,
+    ),
+    Parameter(
+        "kicks",
+        "double_array",
+        (),
+        "Kicks, four numbers each: time, s since the start, and the body rate right after it, rad/s; zeros: a rest.",
+        lengths=range(0, KICK_NUMBERS * MAX_KICKS + 1, KICK_NUMBERS),
+    ),
+    Parameter(
+        "kick_period",
+        "double",
+        0.0,
+        "Time after which the kicks come again, s, longer than the time of the last one; 0: they come once.",
+        minimum=0.0,
+        maximum=MAX_TRANSLATION,
+    ),
+    Parameter(
+        "translation",
+        "string",
+        "none",
+        "How the mass centre moves: none, it rests at initial_position; thrown, it falls freely; carried, it sways.",
+        choices=("none", "thrown", "carried"),
+    ),
+    *(
+        Parameter(
+            f"initial_{of}",
+            "double_array",
+            (0.0, 0.0, 0.0),
+            f"{of.capitalize()} of the mass centre in the world frame at the start, {unit}.",
+            lengths=(3,),
+            minimum=-MAX_TRANSLATION,
+            maximum=MAX_TRANSLATION,
+        )
+        for of, unit in (("position", "m"), ("velocity", "m/s"))
+    ),
+    *harmonics_parameters(
+        "sway", "the acceleration of the carried mass centre along each axis of the world", (0.2, 2.0)
+    ),
+    Parameter(
+        "sway_seed",
+        "int",
+        0,
+        "Seed of the frequencies and phases of the sway.",
+        minimum=0,
+        maximum=2**63 - 1,
     ),
     Parameter("world_frame", "string", "world", "Name of the inertial frame of the pose."),
     Parameter("body_frame", "string", "base_link", "Name of the body frame of the twist."),

@@ -14,20 +14,32 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Vector, require_at_most
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
+from lie_rigid_body.motion.harmonics import Harmonics
+from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise, harmonics
 from lie_rigid_body.sensors.parameters import (
     Values,
     angle,
+    harmonics_parameters,
     not_negative,
     numbers,
+    require_band,
     triad_fault_parameters,
     triad_parameters,
     values_of,
 )
 from lie_rigid_body.sensors.pointing import OrientationModel
-from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorMeasurement, diagonal
+from lie_rigid_body.sensors.sensor import (
+    Carrier,
+    Field,
+    Instrument,
+    Sensor,
+    SensorModel,
+    Topic,
+    VectorMeasurement,
+    diagonal,
+)
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 
@@ -60,6 +72,8 @@ class ImuModel(SensorModel):
         Standard gravity, m/s².
     lever_arm : tuple of float, length 3
         From the mass centre to the accelerometer in the body frame, m.
+    vibration_acceleration, vibration_band : tuple of float, length 3 and 2
+        Oscillation of the accelerometer's mount: RMS on each axis, m/s², and frequencies, Hz.
     orientation : OrientationModel or None
         Orientation that it tells; None: it tells none.
     """
@@ -70,12 +84,15 @@ class ImuModel(SensorModel):
     accelerometer_mode: str
     gravity: float
     lever_arm: Vector
+    vibration_acceleration: Vector
+    vibration_band: Vector
     orientation: OrientationModel | None = None
 
     @classmethod
     def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], 1e6, "m")
+        require_band("vibration_band", values["vibration_band"])
         return {
             "gyro_rate": values["gyro_rate"],
             "gyro": TriadModel.from_values("gyro", values),
@@ -83,6 +100,8 @@ class ImuModel(SensorModel):
             "accelerometer_mode": values["accelerometer_mode"],
             "gravity": values["gravity"],
             "lever_arm": values["accelerometer_lever_arm"],
+            "vibration_acceleration": values["vibration_acceleration"],
+            "vibration_band": values["vibration_band"],
             "orientation": (
                 OrientationModel(**values_of(OrientationModel, sensor, values)) if values["imu_orientation"] else None
             ),
@@ -92,6 +111,13 @@ class ImuModel(SensorModel):
     def support(self) -> float:
         """Specific force of what holds the mass centre, along z of the world frame, m/s²; 0 in free fall."""
         return self.gravity if self.accelerometer_mode == "pivot_gravity" else 0.0
+
+    @property
+    def vibration(self) -> Harmonics | None:
+        """Oscillation of the accelerometer's mount, on its axes, m/s²; None: there is none."""
+        if not any(self.vibration_acceleration):
+            return None
+        return harmonics(self.seed, NoiseSource.VIBRATION, self.vibration_acceleration, self.vibration_band)
 
     @property
     def measurement_models(self) -> tuple[VectorMeasurement, ...]:
@@ -172,21 +198,22 @@ class IntegratedRate:
 
 
 class SpecificForce:
-    """Acceleration less gravitation at a point that moves with the body: ω̇×r + ω×(ω×r) + Aᵀ(0, 0, g).
+    """Acceleration less gravitation at a point that moves with the body: ω̇×r + ω×(ω×r) + Aᵀ(a + g ẑ).
 
-    The first two terms are the acceleration of the point about the mass centre. The last one is what holds the mass
-    centre: nothing in free fall; on a frictionless pivot there, the weight upwards, which makes no torque.
+    The first two terms are the acceleration of the point about the mass centre, whose own is a. The last one is what
+    holds the mass centre: nothing in free fall; otherwise the weight upwards, which makes no torque.
 
     Parameters
     ----------
-    body : RigidBody
+    carrier : Carrier
     lever_arm : tuple of float, length 3
         r, from the mass centre to the point in the body frame, m.
     support : float
-        g with the pivot, 0 in free fall, m/s², along z of the world frame.
+        g where something holds the body, 0 in free fall, m/s², along z of the world frame.
     """
 
-    def __init__(self, body: RigidBody, lever_arm: Vector, support: float) -> None:
+    def __init__(self, carrier: Carrier, lever_arm: Vector, support: float) -> None:
+        body = carrier.body
         moments = body.principal_moments
         # (I₂ − I₃)/I₁, each of size 1 at most, as the moments obey the triangle inequality
         self._euler = (moments[_YZX] - moments[_ZXY]) / moments
@@ -194,18 +221,24 @@ class SpecificForce:
         self._across = -so3.hat(lever_arm)
         self._principal_across = self._across @ body.principal_axes
         self._has_lever_arm = any(lever_arm)
-        self._support = support
+        self._support = 0.0 if carrier.falls else support
+        self._acceleration = carrier.acceleration
 
-    def of(self, states: State) -> Array:
+    def of(self, times_ns: Integers, states: State) -> Array:
         """The specific force in the body frame, m/s², shape (N, 3): exactly 0 at the mass centre in free fall.
 
         Parameters
         ----------
+        times_ns : ndarray of int64, shape (N,)
+            Times since the segment's start, ns.
         states : State
             Of N instants.
         """
         rate = states.body_rate
         force = self._of_rotation(rate) if self._has_lever_arm else np.zeros_like(rate)
+        if self._acceleration is not None:
+            moved = self._acceleration(times_ns) + self._support * np.array([0.0, 0.0, 1.0])
+            return force + quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), moved)
         if self._support:
             # the world's z axis in the body frame: the last row of the rotation matrix
             x, y, z, w = states.attitude_xyzw.T
@@ -228,14 +261,15 @@ class Imu(Instrument):
     Parameters
     ----------
     model : ImuModel
-    body : RigidBody
-        The body to which it is fixed.
+    carrier : Carrier
+        What it is fixed to.
     """
 
-    def __init__(self, model: ImuModel, body: RigidBody) -> None:
+    def __init__(self, model: ImuModel, carrier: Carrier) -> None:
         self._model = model
         self._integrates = model.gyro_rate == "integrated"
-        self._force = SpecificForce(body, model.lever_arm, model.support)
+        self._force = SpecificForce(carrier, model.lever_arm, model.support)
+        self._vibration = model.vibration
         self._gyro = Triad(model.gyro, model.rate, model.seed, *_OF_GYRO)
         self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, *_OF_ACCELEROMETER)
         self._turn = WhiteNoise(model.seed, NoiseSource.ORIENTATION_WHITE, 1.0)
@@ -250,7 +284,10 @@ class Imu(Instrument):
         rate = self._rate.over(times_ns, states) if self._integrates else states.body_rate
         interval = 1.0 / self._model.rate if self._integrates else 0.0
         gyro, gyro_bias = self._gyro.signals(first, times_ns, rate, interval)
-        force, force_bias = self._accelerometer.signals(first, times_ns, self._force.of(states))
+        true_force = self._force.of(times_ns, states)
+        if self._vibration is not None:
+            true_force = true_force + self._vibration.at(times_ns).acceleration
+        force, force_bias = self._accelerometer.signals(first, times_ns, true_force)
         told = self._model.orientation
         return {
             "gyro": gyro,
@@ -334,6 +371,9 @@ IMU_SENSOR: Final = Sensor(
             "accelerometer_lever_arm",
             (0.0, 0.0, 0.0),
             "From the mass centre to the accelerometer in the body frame, m.",
+        ),
+        *harmonics_parameters(
+            "vibration", "an oscillation of the accelerometer's mount along each of its axes", (40.0, 200.0)
         ),
         *triad_parameters("accelerometer", "m/s²"),
         Parameter("imu_orientation", "bool", False, "Whether the IMU tells its orientation, as an AHRS does."),

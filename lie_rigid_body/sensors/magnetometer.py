@@ -12,7 +12,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.fault import AXES, Fault, FaultModel, IntermittentFault
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
@@ -23,7 +23,16 @@ from lie_rigid_body.sensors.parameters import (
     numbers,
     triad_fault_parameters,
 )
-from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorMeasurement, diagonal
+from lie_rigid_body.sensors.sensor import (
+    Carrier,
+    Field,
+    Instrument,
+    Sensor,
+    SensorModel,
+    Topic,
+    VectorMeasurement,
+    diagonal,
+)
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.sensors.triad import TriadFaultInjector, TriadFaults, linear_errors
 
@@ -158,7 +167,7 @@ class Magnetometer(Instrument):
         The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: MagnetometerModel, body: RigidBody | None = None) -> None:
+    def __init__(self, model: MagnetometerModel, carrier: Carrier | None = None) -> None:
         self._model = model
         self._soft_iron = np.array(model.soft_iron).reshape(3, 3)
         self._noise = WhiteNoise(

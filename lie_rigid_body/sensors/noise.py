@@ -20,6 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.parameters import Vector
+from lie_rigid_body.motion.harmonics import HARMONICS, Harmonics
 
 _FEW: Final = 256
 """Largest number of random numbers that are drawn and not used; beyond it the counter of the generator is set."""
@@ -45,6 +47,8 @@ class NoiseSource(IntEnum):
     ORIENTATION_WHITE = 8
     ATTITUDE_SENSOR_WHITE = 9
     SUN_SENSOR_WHITE = 10
+    SWAY = 11
+    VIBRATION = 12
 
 
 class Draws:
@@ -91,6 +95,12 @@ def uniform(words: NDArray[np.uint64]) -> Array:
     """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
     numbers = (words >> np.uint64(12) | _ONE).view(np.float64)  # 1 + 2⁻⁵² j
     return np.subtract(numbers, 1.0 - 2.0**-53, out=numbers)
+
+
+def harmonics(seed: int, source: NoiseSource, rms: Vector, band: Vector) -> Harmonics:
+    """Draw the frequencies and phases of a sum of harmonics; see `Harmonics`."""
+    numbers = Draws(seed, source, width=2 * HARMONICS).following(0, 3)
+    return Harmonics(rms, band, numbers.reshape(3, 2, HARMONICS))
 
 
 class WhiteNoise:

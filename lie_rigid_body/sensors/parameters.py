@@ -14,7 +14,10 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Value, Vector
+from lie_rigid_body.foundation.wording import numerals
+from lie_rigid_body.motion.harmonics import HARMONICS
 
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
@@ -27,6 +30,8 @@ _MAX_DELAY_S: Final = 10.0
 """Longest latency of a reading, and largest jitter, s."""
 _MAX_OFFSET_S: Final = 2.2e9
 """Largest offset of a sensor's clock, s: it may begin at 0 when it is switched on, in any year that ROS can stamp."""
+_MAX_FREQUENCY: Final = 1e6
+"""Highest frequency of a harmonic, Hz."""
 _MAX_SKEW: Final = 0.01
 """Largest skew of a sensor's clock, s/s."""
 
@@ -50,6 +55,44 @@ def angle(name: str, description: str) -> Parameter:
 def numbers(name: str, default: tuple[float, ...], description: str) -> Parameter:
     """A parameter that is an array as long as its default."""
     return Parameter(name, "double_array", default, description, lengths=(len(default),))
+
+
+def harmonics_parameters(name: str, what: str, band: tuple[float, float]) -> tuple[Parameter, Parameter]:
+    """Parameters of a sum of harmonics on three axes: its RMS, and the band of its frequencies."""
+    return (
+        Parameter(
+            f"{name}_acceleration",
+            "double_array",
+            (0.0, 0.0, 0.0),
+            f"RMS of {what}, over a long time, m/s².",
+            lengths=(3,),
+            minimum=0.0,
+            maximum=MAX_PARAMETER,
+        ),
+        Parameter(
+            f"{name}_band",
+            "double_array",
+            band,
+            f"Lowest and highest frequency of its {HARMONICS} harmonics on each axis, Hz.",
+            lengths=(2,),
+            minimum=0.0,
+            maximum=_MAX_FREQUENCY,
+        ),
+    )
+
+
+def require_band(name: str, band: Vector) -> None:
+    """Refuse a band of frequencies that is upside down or begins at 0 Hz.
+
+    Raises
+    ------
+    ParameterError
+    """
+    low, high = band
+    if not 0.0 < low <= high:
+        raise ParameterError(
+            name, f"{numerals(band)} Hz is no band: give a lowest frequency above 0, and a highest one not below it"
+        )
 
 
 def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:

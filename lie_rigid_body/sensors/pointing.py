@@ -11,11 +11,12 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, vectors
-from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import (
     AttitudeMeasurement,
+    Carrier,
     Field,
     Instrument,
     Sensor,
@@ -135,7 +136,7 @@ class AttitudeSensor(Instrument):
         The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: AttitudeSensorModel, body: RigidBody | None = None) -> None:
+    def __init__(self, model: AttitudeSensorModel, carrier: Carrier | None = None) -> None:
         self._model = model
         self._boresight = np.array(model.boresight)
         self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
@@ -195,7 +196,7 @@ class SunSensor(Instrument):
         The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: SunSensorModel, body: RigidBody | None = None) -> None:
+    def __init__(self, model: SunSensorModel, carrier: Carrier | None = None) -> None:
         self._sun = np.array(model.sun)
         self._noise = WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise)
 

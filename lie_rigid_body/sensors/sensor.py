@@ -28,6 +28,25 @@ BLOCK: Final = 16_384
 """Readings that are measured at once: the signals of more would fill the caches of a processor."""
 
 
+@short_dataclass(frozen=True)
+class Carrier:
+    """What sensors are fixed to: a body, and what accelerates it.
+
+    Parameters
+    ----------
+    body : RigidBody
+    acceleration : callable or None
+        Acceleration of its mass centre in the world frame, m/s², shape (N, 3), at N times, ns, where something other
+        than gravitation makes it; None: nothing does.
+    falls : bool
+        Whether nothing holds it against gravitation.
+    """
+
+    body: RigidBody
+    acceleration: Callable[[Integers], Array] | None = None
+    falls: bool = False
+
+
 class Instrument(ABC):
     """A sensor at work in one segment: readings in order, the same to the bit in batches of any size."""
 
@@ -278,7 +297,7 @@ class Sensor:
         Name of the sensor in tables and sentences.
     model : type of SensorModel
     make : callable
-        ``make(model, body)`` gives the `Instrument` of a segment on a `RigidBody`.
+        ``make(model, carrier)`` gives the `Instrument` of a segment on a `Carrier`.
     topics : tuple of Topic
         Topics of its messages. The first one has the readings; others tell more of them, at the same stamps.
     parameters : tuple of Parameter
@@ -297,7 +316,7 @@ class Sensor:
     name: str
     title: str
     model: type[SensorModel]
-    make: Callable[[Any, RigidBody], Instrument]
+    make: Callable[[Any, Carrier], Instrument]
     topics: tuple[Topic, ...]
     parameters: tuple[Parameter, ...]
     streams: Mapping[str, int]

@@ -19,6 +19,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
+from lie_rigid_body.motion.translation import Translation
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault, SensorModel
 from lie_rigid_body.simulation.samples import Measurement, SampleQueue, Samples, SensorSamples
@@ -151,7 +152,8 @@ class _RunningSegment:
         self.end_ns = 2 * MAX_EPOCH_NS
         ahead = partial(scenario.batch_size, LOOK_AHEAD, STEPS_AHEAD)
         self.clock = segment.clock()
-        states = partial(_states, motion(), segment.start_ns)
+        centre = None if scenario.translation == "none" else scenario.mass_centre()
+        states = partial(_samples, motion(), centre, segment.start_ns)
         self.truth = SampleQueue(self.clock, segment.first_sample, states, ahead(scenario.rate))
         self.sensors: dict[str, SampleQueue[SensorSamples]] = {}
         for name in scenario.sensors.on:
@@ -406,5 +408,6 @@ def motions_of(scenario: Scenario, clocks: Mapping[float, LastCall] | None = Non
 # A function of a module, no closure: a simulation is copied, and sent to other processes, with its queues.
 
 
-def _states(motion: Motion, start_ns: int, stamps: Integers) -> Samples:
-    return Samples(stamps, motion.at(stamps - start_ns))
+def _samples(motion: Motion, centre: Translation | None, start_ns: int, stamps: Integers) -> Samples:
+    times = stamps - start_ns
+    return Samples(stamps, motion.at(times), None if centre is None else centre.at(times))

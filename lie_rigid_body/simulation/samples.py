@@ -12,6 +12,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
+from lie_rigid_body.motion.translation import MassCentre
 from lie_rigid_body.sensors import SENSORS, Signal
 from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
@@ -25,10 +26,13 @@ class Samples:
     stamps_ns : ndarray of int64, shape (N,)
     states : State
         States of N instants.
+    centre : MassCentre or None
+        The mass centre at these instants; None: it rests where the scenario says.
     """
 
     stamps_ns: Integers
     states: State
+    centre: MassCentre | None = None
 
     @property
     def times_ns(self) -> Integers:
@@ -39,17 +43,15 @@ class Samples:
         return len(self.stamps_ns)
 
     def __getitem__(self, rows: slice | Booleans) -> Samples:
-        return Samples(self.stamps_ns[rows], self.states[rows])
+        return Samples(self.stamps_ns[rows], self.states[rows], None if self.centre is None else self.centre[rows])
 
     def joined(self, later: Samples) -> Samples:
         """Join these samples and later ones."""
-        return Samples(
-            np.concatenate([self.stamps_ns, later.stamps_ns]),
-            State.trusted(
-                np.concatenate([self.states.attitude_xyzw, later.states.attitude_xyzw]),
-                np.concatenate([self.states.body_rate, later.states.body_rate]),
-            ),
-        )
+        stamps_ns = np.concatenate([self.stamps_ns, later.stamps_ns])
+        states = self.states.joined(later.states)
+        if self.centre is None or later.centre is None:
+            return Samples(stamps_ns, states)
+        return Samples(stamps_ns, states, self.centre.joined(later.centre))
 
 
 @short_dataclass(frozen=True)
@@ -198,7 +200,7 @@ class Measurement:
         self.first = self.clock.count_until(start_ns - 1)
         delivery = self.model.delivery
         self.arrivals = None if delivery is None else Arrivals(self.clock, self.first, start_ns, delivery)
-        self._instrument = SENSORS[name].make(self.model, scenario.body())
+        self._instrument = SENSORS[name].make(self.model, scenario.carrier())
         before_ns = self.clock.stamp_ns(self.first - 1) - start_ns
         self._instrument.begin_after(before_ns, lambda: scenario.exact_motion().at(before_ns))
         self.next = self.first

@@ -10,6 +10,7 @@ import numpy as np
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.foundation.parameters import read_table
 from lie_rigid_body.sensors import SENSORS, Imu, Magnetometer, Sensors, graded
+from lie_rigid_body.sensors.sensor import Carrier
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])
 START = State(np.array([0.1, -0.7, 0.4, 0.3]) / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
@@ -58,7 +59,7 @@ def magnetometer_model(**given: object) -> Any:
 
 def imu(before_ns: int = -STEP_NS, /, **given: object) -> Imu:
     """An IMU on the body of this file, which is in motion; its first reading comes one step after a time."""
-    made = Imu(imu_model(**given), BODY)
+    made = Imu(imu_model(**given), Carrier(BODY))
     made.begin_after(before_ns, lambda: MOTION.at(before_ns))
     return made
 
@@ -75,4 +76,4 @@ def readings_at_rest(count: int, **given: object) -> dict[str, np.ndarray]:
     """What an IMU reads of a body at rest in free fall: its errors alone."""
     model = imu_model(**given)
     period = round(1e9 / model.rate)
-    return Imu(model, BODY).measure(np.arange(count, dtype=np.int64) * period, at_rest(count))
+    return Imu(model, Carrier(BODY)).measure(np.arange(count, dtype=np.int64) * period, at_rest(count))

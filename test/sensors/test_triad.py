@@ -15,6 +15,7 @@ from sensor_models import BODY, MOTION, START, at_rest, imu, imu_model, readings
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.sensors import Imu
 from lie_rigid_body.sensors.noise import NoiseSource
+from lie_rigid_body.sensors.sensor import Carrier
 from lie_rigid_body.sensors.signal import Converter
 
 COUNT = 50_000
@@ -27,7 +28,7 @@ def gyro_reads(rates: object, **given: object) -> np.ndarray:
     rate = np.array(rates, dtype=float)
     t = np.arange(len(rate), dtype=np.int64) * PERIOD_NS
     states = State(np.tile([0.0, 0.0, 0.0, 1.0], (len(rate), 1)), rate)
-    return Imu(imu_model(**given), BODY).measure(t, states)["gyro"]
+    return Imu(imu_model(**given), Carrier(BODY)).measure(t, states)["gyro"]
 
 
 def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
@@ -36,7 +37,7 @@ def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
     tilt = Rotation.align_vectors([[0.0, 0.0, 1.0]], [up / np.linalg.norm(up)])[0].as_quat()
     states = State(tilt[np.newaxis], np.zeros((1, 3)))
     model = imu_model(accelerometer_mode="pivot_gravity", gravity=float(np.linalg.norm(up)), **given)
-    return Imu(model, BODY).measure(np.array([0]), states)["specific_force"][0]
+    return Imu(model, Carrier(BODY)).measure(np.array([0]), states)["specific_force"][0]
 
 
 def reading(sensor: str, truth: list[float], **given: object) -> np.ndarray:
@@ -136,7 +137,7 @@ def test_the_variance_that_is_told_is_that_of_the_readings() -> None:
     still = at_rest(COUNT)
     turning = State(still.attitude_xyzw, np.linspace(0.0, 100.0, 3 * COUNT).reshape(-1, 3))
     t = np.arange(COUNT, dtype=np.int64) * PERIOD_NS
-    read = Imu(model, RigidBody([1.0, 1.0, 1.0])).measure(t, turning)
+    read = Imu(model, Carrier(RigidBody([1.0, 1.0, 1.0]))).measure(t, turning)
     errors = read["gyro"] - turning.body_rate
     assert np.abs(errors.var(axis=0) / model.gyro.variance(model.rate) - 1.0).max() < 2.0 * FIVE_SIGMA
     variances = read["specific_force"].var(axis=0)
@@ -207,7 +208,7 @@ def test_it_is_the_acceleration_of_the_point(lever_arm: list[float]) -> None:
 def test_it_holds_for_every_kind_of_body(inertia: list[float]) -> None:
     body = RigidBody(inertia)
     motion = ClosedForm(body, START)
-    sensor = Imu(imu_model(accelerometer_lever_arm=LEVER_ARMS[-1]), body)
+    sensor = Imu(imu_model(accelerometer_lever_arm=LEVER_ARMS[-1]), Carrier(body))
     read = sensor.measure(AT, motion.at(AT))["specific_force"]
     assert np.abs(read - acceleration_by_differences(motion, LEVER_ARMS[-1])).max() < 1e-10
 
@@ -233,7 +234,7 @@ def test_a_steady_spin_reads_the_centripetal_acceleration() -> None:
         rate, lever_arm = np.zeros((1, 3)), np.zeros(3)
         rate[0, axis], lever_arm[axis], lever_arm[other] = 3.0, 0.7, 0.5
         state = State([[0.0, 0.0, 0.0, 1.0]], rate)
-        sensor = Imu(imu_model(accelerometer_lever_arm=lever_arm.tolist()), RigidBody([1.0, 2.0, 2.5]))
+        sensor = Imu(imu_model(accelerometer_lever_arm=lever_arm.tolist()), Carrier(RigidBody([1.0, 2.0, 2.5])))
         force = sensor.measure(np.array([0]), state)["specific_force"][0]
         assert (force[axis], force[third]) == (0.0, 0.0)
         assert force[other] == pytest.approx(-9.0 * 0.5, rel=1e-15)

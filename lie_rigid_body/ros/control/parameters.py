@@ -130,7 +130,7 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
     when = "at once" if parameter.name in IMMEDIATE else "at the next ~/reset"
     told = (
         *([f"one of {', '.join(parameter.choices)}"] if parameter.choices else []),
-        *([f"{' or '.join(str(n) for n in parameter.lengths)} finite numbers"] if parameter.lengths else []),
+        *([parameter.wanted_numbers] if parameter.lengths else []),
         "fixed at the start" if fixed else f"a change takes effect {when}",
     )
     kind = parameter.kind if math.isfinite(high) else ""
