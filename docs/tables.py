@@ -43,7 +43,8 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 
 def kind(parameter: Parameter) -> str:
     """The type of a parameter, as a ROS 2 interface file writes it."""
-    return KINDS.get(parameter.kind, parameter.kind).format(" or ".join(f"[{n}]" for n in parameter.lengths))
+    lengths = [] if isinstance(parameter.lengths, range) else parameter.lengths
+    return KINDS.get(parameter.kind, parameter.kind).format(" or ".join(f"[{n}]" for n in lengths) or "[]")
 
 
 def default(parameter: Parameter) -> str:

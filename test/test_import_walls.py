@@ -25,7 +25,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "mechanics": {"lie"},
     "motion": {"arithmetic", "compilation", "lie", "mechanics"},
     "groups": {"lie", "mechanics", "motion"},
-    "sensors": {"lie", "mechanics"},
+    "sensors": {"lie", "mechanics", "motion"},
     "scenario": SCENARIO - {"scenario", "arithmetic", "compilation"},
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
-from lie_rigid_body.certificate.limits import MAX_NORM_ERROR, RATE_FACTOR, closed_form_error, max_attitude_error, remedy
+from lie_rigid_body.certificate.limits import (
+    MAX_NORM_ERROR,
+    RATE_FACTOR,
+    TRANSLATION_ERROR,
+    closed_form_error,
+    max_attitude_error,
+    remedy,
+)
 from lie_rigid_body.foundation.arrays import Array, Integers, same_bits
 from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
@@ -24,11 +32,18 @@ _LAWS: Final = (
     (_RATE, "rel", "the body rate is {worst} of the largest one off the exact motion (limit {limit}) at {where}"),
     ("unit norm", "1", "the norm of the quaternion is {worst} off 1 (limit {limit}) at {where}"),
     ("sign continuity", "1", "the quaternion has not the sign with which it goes on, at {where} ({count})"),
+    ("position", "m", "the position is {worst} m off that of the scenario (limit {limit}) at {where}"),
+    ("velocity", "m/s", "the linear velocity is {worst} m/s off that of the scenario (limit {limit}) at {where}"),
     ("kinetic energy", "rel", ""),
     ("world momentum", "rel", ""),
 )
 """Name of each law, unit of its residuals, and the message where it is broken. The last two are reported, not judged:
-they follow from the first two."""
+they follow from the first two. Both are those of the arc between two kicks, and relative to the largest of all arcs so
+far."""
+
+
+_Judged: TypeAlias = tuple[Array, "Array | float"]
+"""Residuals of a law, shape (N,), and their limits."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +79,9 @@ class SegmentLaws:
         self._body = scenario.body()
         self._motion = scenario.exact_motion()
         self._limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
-        start = scenario.start()
-        self._energy = float(self._body.kinetic_energy(start))
-        self._momentum = self._body.angular_momentum(start)
-        self._largest_rate = 0.0
+        self._kicks = scenario.kick_schedule()
+        self._mass_centre = scenario.mass_centre()
+        self._largest = dict[str, float]()
         self._tallies = [LawTally(*law, watch=watch) for law in _LAWS]
         self._is_exact = True
 
@@ -77,31 +91,54 @@ class SegmentLaws:
             part = block[first : first + _BLOCK]
             elapsed_ns = part.stamps_ns - self._segment.start_ns
             exact = self._motion.at(elapsed_ns)
-            limits = (self._limit, RATE_FACTOR * self._limit, MAX_NORM_ERROR, 1.0, np.inf, np.inf)
-            residuals = self._residuals(part.states, exact, elapsed_ns)
-            for tally, own, limit in zip(self._tallies, residuals, limits, strict=True):
-                tally.add(own, limit, part.samples, part.stamps_ns)
+            judged = (
+                *self._attitude_and_rate(part.states, exact, elapsed_ns),
+                *self._position_and_velocity(part, exact, elapsed_ns),
+                *self._energy_and_momentum(part.states, elapsed_ns),
+            )
+            for tally, (residuals, limits) in zip(self._tallies, judged, strict=True):
+                tally.add(residuals, limits, part.samples, part.stamps_ns)
 
-    def _residuals(self, recorded: State, exact: State, elapsed_ns: Integers) -> tuple[Array, ...]:
-        """Residuals in the order of `_LAWS`, shape (N,) each."""
+    def _attitude_and_rate(self, recorded: State, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         self._is_exact &= same_bits(recorded.attitude_xyzw, exact.attitude_xyzw)
         self._is_exact &= same_bits(recorded.body_rate, exact.body_rate)
         norm = quaternion.norm(recorded.attitude_xyzw)
-        unit = State.trusted(recorded.attitude_xyzw / norm[:, np.newaxis], recorded.body_rate)
-        x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.attitude_xyzw.T)
+        unit = recorded.attitude_xyzw / norm[:, np.newaxis]
+        x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.T)
         angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
-        # the largest rate so far, so that one pass through the bag is enough
-        speeds = np.maximum(np.maximum.accumulate(vectors.norm(exact.body_rate)), self._largest_rate)
-        self._largest_rate = float(speeds[-1])
-        momentum = self._body.angular_momentum(unit)
-        return (
-            angle + closed_form_error(speeds, elapsed_ns),
-            _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds),
-            np.abs(norm - 1.0),
-            np.where(cosine < 0.0, 2.0, 0.0),
-            _relative(np.abs(self._body.kinetic_energy(unit) - self._energy), self._energy),
-            _relative(vectors.norm(momentum - self._momentum), vectors.norm(self._momentum)),
-        )
+        speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
+        yield angle + closed_form_error(speeds, elapsed_ns), self._limit
+        yield _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds), RATE_FACTOR * self._limit
+        yield np.abs(norm - 1.0), MAX_NORM_ERROR
+        yield np.where(cosine < 0.0, 2.0, 0.0), 1.0
+
+    def _position_and_velocity(self, recorded: Block, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
+        centre = self._mass_centre.at(elapsed_ns)
+        velocity = centre.body_velocity(exact)
+        self._is_exact &= same_bits(recorded.position, centre.position)
+        self._is_exact &= same_bits(recorded.body_velocity, velocity)
+        distance = self._largest_so_far("position", vectors.norm(centre.position))
+        yield vectors.norm(recorded.position - centre.position), TRANSLATION_ERROR * distance
+        speed = self._largest_so_far("velocity", vectors.norm(velocity))
+        yield vectors.norm(recorded.body_velocity - velocity), (TRANSLATION_ERROR + self._limit) * speed
+
+    def _energy_and_momentum(self, recorded: State, elapsed_ns: Integers) -> Iterator[_Judged]:
+        """Changes since the begin of each sample's arc."""
+        norm = quaternion.norm(recorded.attitude_xyzw)[:, np.newaxis]
+        states = State.trusted(recorded.attitude_xyzw / norm, recorded.body_rate)
+        arcs, which = np.unique(self._kicks.arcs(elapsed_ns), return_inverse=True)
+        begins = self._motion.at(self._kicks.begins_ns(arcs))
+        for kept in (self._body.kinetic_energy, self._body.angular_momentum):
+            wanted = kept(begins).reshape(len(arcs), -1)[which]
+            change = kept(states).reshape(len(wanted), -1) - wanted
+            largest = self._largest_so_far(kept.__name__, np.linalg.norm(wanted, axis=1))
+            yield _relative(np.linalg.norm(change, axis=1), largest), np.inf
+
+    def _largest_so_far(self, name: str, sizes: Array) -> Array:
+        """The largest of some sizes up to each sample, so that one pass through the bag is enough."""
+        largest = np.maximum(np.maximum.accumulate(sizes), self._largest.get(name, 0.0))
+        self._largest[name] = float(largest[-1])
+        return largest
 
     def results(self) -> SegmentResults:
         """Results of the laws, after all samples of the segment."""

@@ -1,6 +1,7 @@
 """The limit of a certificate: one number L for each way in which a motion is computed.
 
-An attitude may be L rad off the exact motion, a body rate 4 L of the largest rate. See `readings` for sensors.
+An attitude may be L rad off the exact motion, a body rate 4 L of the largest rate. A position is that of the scenario
+to round-off. See `readings` for sensors.
 """
 
 from __future__ import annotations
@@ -21,6 +22,10 @@ MAX_NORM_ERROR: Final = 8 * U
 """Limit of | |q| − 1 |, dimensionless."""
 RATE_FACTOR: Final = 4.0
 """Limit of the body rate's error as a share of the largest rate, in units of L."""
+
+TRANSLATION_ERROR: Final = 8 * U
+"""Limit of the position's error as a share of the largest distance from the origin. A velocity along the body's axes
+may err by L of the largest speed beside it, as the axes do."""
 
 _CLOSED_FORM: Final = 48 * U
 _EXACT_STEPS: Final = 1e-12

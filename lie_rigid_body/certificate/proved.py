@@ -126,17 +126,17 @@ def prove(
 
 
 def _prove_samples(number: int, segment: Segment, chosen: Block, max_attitude: float | None) -> Iterator[ProvedSample]:
-    from lie_rigid_body.proof import enclose
+    from lie_rigid_body.proof.kicked import EnclosedMotion
 
     scenario = segment.scenario
     limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
+    last_ns = int(chosen.stamps_ns.max(initial=segment.start_ns)) - segment.start_ns
+    times_ns, rates = scenario.kick_schedule().until(last_ns)
+    motion = EnclosedMotion(
+        scenario.inertia, scenario.initial_attitude_xyzw, [0, *times_ns.tolist()], [scenario.initial_body_rate, *rates]
+    )
     for i, stamp_ns in enumerate(chosen.stamps_ns.tolist()):
-        truth = enclose(
-            scenario.inertia,
-            scenario.initial_attitude_xyzw,
-            scenario.initial_body_rate,
-            stamp_ns - segment.start_ns,
-        )
+        truth = motion.at(stamp_ns - segment.start_ns)
         yield ProvedSample(
             number,
             int(chosen.samples[i]),

@@ -136,8 +136,6 @@ class Counts:
         Poses and twists.
     foreign_frames : set of str
         Frames that poses and twists name, and that the scenario of their segment does not.
-    moved : int
-        Components of position and linear velocity that are not 0.
     log_time_mismatches : int
         Messages that were not logged at their stamps, scenarios at their starts.
     first_ns : int
@@ -150,7 +148,7 @@ class Counts:
         self.messages = [0, 0]
         self.foreign_frames = set[str]()
         self.contradicted_ns = list[int]()
-        self.moved = self.log_time_mismatches = 0
+        self.log_time_mismatches = 0
         self.first_ns = int(np.iinfo(np.int64).max)
 
     def counted(self, batches: Batches, *, stamped: bool) -> Batches:
@@ -161,7 +159,6 @@ class Counts:
                 if i == 0 or stamped:
                     self.first_ns = int(topic.stamps_ns.min(initial=self.first_ns))
                 self.log_time_mismatches += int(np.count_nonzero(topic.log_times_ns != topic.stamps_ns))
-                self.moved += sum(int(np.count_nonzero(column)) for column in topic.values[:, :3].T)
             yield poses, twists
 
 

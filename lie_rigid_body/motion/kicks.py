@@ -30,13 +30,13 @@ KICK_NUMBERS: Final = 4
 MAX_KICKS: Final = 1000
 """Largest number of kicks in a list."""
 _KEPT_STARTS: Final = 1000
-"""Of so many starts of arcs one is kept, so that no question costs more than so many arcs."""
+"""Arcs from one start that is kept to the next: no question costs more than so many arcs."""
 _MAX_TIME: Final = 2**62
 """Largest time of a kick or a period, ns."""
 
 
 def _nanoseconds(seconds: float) -> int:
-    """A time, s, as its shortest decimal tells it, rounded to ns."""
+    """Round a time, s, to ns: that of its shortest decimal."""
     return round(Decimal(repr(seconds)) * NS)
 
 

@@ -114,8 +114,8 @@ class SwayTime(NamedTuple):
 class SwayClock:
     """The own time of a sway, which slows to a stop when a rest begins, and gathers speed when it ends.
 
-    Its pace is 1 while the body moves and 0 while it rests, and goes from one to the other within T after a change, as
-    S(x) = x³ (10 − 15 x + 6 x²) does. Changes within T of each other add up.
+    Its pace is 1 while the body moves and 0 while it rests. After a change it goes from one to the other within T, as
+    S(x) = x³ (10 − 15 x + 6 x²) does, with x = t/T. Changes within T of each other add up.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Booleans, Integers
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
@@ -41,14 +41,24 @@ class Block:
     stamps_ns : ndarray of int64, shape (N,)
     states : State
         Of shapes (N, 4) and (N, 3), not normalised.
+    position, body_velocity : ndarray, shape (N, 3)
+        Of the mass centre in the world, m, and along the body's axes, m/s.
     """
 
     samples: Integers
     stamps_ns: Integers
     states: State
+    position: Array
+    body_velocity: Array
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
-        return Block(self.samples[rows], self.stamps_ns[rows], self.states[rows])
+        return Block(
+            self.samples[rows],
+            self.stamps_ns[rows],
+            self.states[rows],
+            self.position[rows],
+            self.body_velocity[rows],
+        )
 
     @classmethod
     def joined(cls, blocks: Sequence[Block]) -> Block:
@@ -60,6 +70,8 @@ class Block:
             np.concatenate([none, *(b.samples for b in blocks)]),
             np.concatenate([none, *(b.stamps_ns for b in blocks)]),
             State.trusted(np.concatenate([np.empty((0, 4)), *attitudes]), np.concatenate([np.empty((0, 3)), *rates])),
+            np.concatenate([np.empty((0, 3)), *(b.position for b in blocks)]),
+            np.concatenate([np.empty((0, 3)), *(b.body_velocity for b in blocks)]),
         )
 
 
@@ -80,8 +92,9 @@ def _together(pose: TopicMessages, twist: TopicMessages) -> tuple[Block, Integer
         _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
         pose = pose[both[0]]
         twist = twist[both[1]]
-    states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())  # behind the translations
-    return Block(np.zeros_like(pose.stamps_ns), pose.stamps_ns, states), alone
+    states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())
+    numbers = np.zeros_like(pose.stamps_ns)
+    return Block(numbers, pose.stamps_ns, states, pose.values[:, :3], twist.values[:, :3]), alone
 
 
 def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -> Iterator[Topics]:

@@ -258,7 +258,8 @@ class Scenario:
     @_computed_once
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
-        return float(_rate_bounds(self.body(), self._arc_starts()).max())
+        with np.errstate(over="ignore"):
+            return float(_rate_bounds(self.body(), self._arc_starts()).max())
 
     def _arc_starts(self) -> State:
         """The start, and the rates after K kicks, at the attitude of the start, which bounds nothing."""

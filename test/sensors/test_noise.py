@@ -58,6 +58,8 @@ def test_source_numbers_are_these_for_ever() -> None:
         "ORIENTATION_WHITE": 8,
         "ATTITUDE_SENSOR_WHITE": 9,
         "SUN_SENSOR_WHITE": 10,
+        "SWAY": 11,
+        "VIBRATION": 12,
     }
 
 
