@@ -64,6 +64,23 @@ def dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
     return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))
 
 
+def sine_cosine_of_turns(turns: Decimal) -> tuple[Decimal, Decimal]:
+    """The sine and cosine of an angle in the precision in force, by Taylor's series on an eighth of a turn."""
+    quarters = (4 * turns).to_integral_value()
+    x = 2 * PI * (turns - quarters / 4)
+    square = -x * x
+    negligible = Decimal(1).scaleb(-getcontext().prec - 2)
+    series = [x, Decimal(1)]
+    terms = [x, Decimal(1)]
+    power = 0
+    while abs(terms[0]) > negligible or abs(terms[1]) > negligible:
+        power += 2
+        terms = [terms[0] * square / (power * (power + 1)), terms[1] * square / (power * (power - 1))]
+        series = [total + term for total, term in zip(series, terms, strict=True)]
+    sine, cosine = series
+    return ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[int(quarters) % 4]
+
+
 @lru_cache(maxsize=64)
 def diagonalised(matrix: Tensor, digits: int) -> PrincipalAxes:
     """Eigenvalues and unit axes, in the order of the diagonal entries that they came from; kept for the next call.

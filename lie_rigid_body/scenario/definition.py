@@ -19,8 +19,10 @@ from lie_rigid_body.foundation.wording import call_repr, numerals, shown, sugges
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
+from lie_rigid_body.motion.closed_form.kicked import KickedClosedForm
 from lie_rigid_body.motion.harmonics import Harmonics
-from lie_rigid_body.motion.kicks import KickedClosedForm, KickedSteps, Kicks
+from lie_rigid_body.motion.kicked_steps import KickedSteps
+from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
 from lie_rigid_body.motion.translation import Carried, Resting, SwayClock, Thrown, Translation, ramp_s
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
@@ -212,8 +214,9 @@ class Scenario:
     @_computed_once
     def exact_motion(self) -> Motion:
         """The exact solution from the start, at times before it as well, whatever the motion that is asked for."""
-        free = partial(ClosedForm, self.body())
-        return KickedClosedForm(self.kick_schedule(), self.start(), free) if self.kicks else free(self.start())
+        if self.kicks:
+            return KickedClosedForm(self.kick_schedule(), self.body(), self.start())
+        return ClosedForm(self.body(), self.start())
 
     def make_motion(self) -> Motion:
         """A new motion from the start."""
