@@ -69,15 +69,16 @@ def sine_cosine_of_turns(turns: Decimal) -> tuple[Decimal, Decimal]:
     quarters = (4 * turns).to_integral_value()
     x = 2 * PI * (turns - quarters / 4)
     square = -x * x
-    negligible = Decimal(1).scaleb(-getcontext().prec - 2)
-    series = [x, Decimal(1)]
-    terms = [x, Decimal(1)]
-    power = 0
-    while abs(terms[0]) > negligible or abs(terms[1]) > negligible:
+    negligible = Decimal(1).scaleb(-getcontext().prec)
+    sine = term = x
+    cosine = Decimal(1)
+    power = 1
+    while abs(term) > negligible:
+        even = term * -x / (power + 1)
         power += 2
-        terms = [terms[0] * square / (power * (power + 1)), terms[1] * square / (power * (power - 1))]
-        series = [total + term for total, term in zip(series, terms, strict=True)]
-    sine, cosine = series
+        term = term * square / (power * (power - 1))
+        cosine += even
+        sine += term
     return ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[int(quarters) % 4]
 
 

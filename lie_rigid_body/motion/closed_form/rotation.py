@@ -6,6 +6,7 @@ to the next. The theta functions are those of `jacobi`, whose polynomials are ex
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from decimal import Decimal
 from typing import Any, Final, TypeAlias
 
@@ -19,7 +20,7 @@ from lie_rigid_body.motion.closed_form.jacobi import EllipticValues, ImaginaryTh
 Rotation: TypeAlias = tuple[Decimal, Decimal, Decimal, Decimal]
 """A unit quaternion x y z w."""
 
-DIGITS: Final = 34
+DIGITS: Final = 28
 """Decimal digits of what is not multiplied by a time."""
 
 
@@ -51,7 +52,8 @@ def rotation_of(inertia: Tensor, body_rate: Three, t_ns: int) -> Rotation:
         constants = constants_of(inertia, body_rate)
         phases = _phases(constants, Decimal(0)), _phases(constants, seconds)
         with working_precision(DIGITS):
-            (x, y, z, w), last = (_untilted(constants, *each) for each in phases)
+            untilted_at = _untilting(constants)
+            (x, y, z, w), last = (untilted_at(*each) for each in phases)
             x, y, z, w = product((-x, -y, -z, w), last)
             size = (x * x + y * y + z * z + w * w).sqrt()
             a, b, c = (dot(row, (x, y, z)) / size for row in zip(*constants[0].axes, strict=True))
@@ -70,32 +72,46 @@ def _phases(constants: Constants, seconds: Decimal) -> tuple[Decimal, Decimal]:
     return (_remainder(u / (4 * periods.real)) if polhode.m1 else u), half_turn
 
 
-def _untilted(constants: Constants, argument: Decimal, half_turn: Decimal) -> Rotation:
-    """The rotation between the frames of the momentum and of the principal axes, times a positive factor."""
+def _untilting(constants: Constants) -> Callable[[Decimal, Decimal], Rotation]:
+    """A function of the phases: the rotation between the frames of the momentum and of the axes, times a factor."""
     frame, polhode, periods, _ = constants
-    values, own = (_real if 2 * polhode.m1 >= 1 else _imaginary)(polhode, periods, argument)
+    values_at = (_real if 2 * polhode.m1 >= 1 else _imaginary)(polhode, periods)
     n1, n2, n3 = unit_momentum(frame, polhode, polhode.amplitudes)
-    turns = _remainder(half_turn + frame.sense * own)
-    return untilted(frame.sense, (n1, n2), (n1, frame.sense * n2, n3), values, *sine_cosine_of_turns(turns))
+
+    def untilted_at(argument: Decimal, half_turn: Decimal) -> Rotation:
+        values, own = values_at(argument)
+        turns = _remainder(half_turn + frame.sense * own)
+        return untilted(frame.sense, (n1, n2), (n1, frame.sense * n2, n3), values, *sine_cosine_of_turns(turns))
+
+    return untilted_at
 
 
-def _real(polhode: Polhode, periods: Periods, turns: Decimal) -> tuple[EllipticValues, Decimal]:
-    """The elliptic functions for m ≤ ½, and what they leave of ½ψ, in turns: nothing."""
+Functions: TypeAlias = Callable[[Decimal], tuple[EllipticValues, Decimal]]
+"""The elliptic functions of an argument, and what they leave of ½ψ, in turns."""
+
+
+def _real(_: Polhode, periods: Periods) -> Functions:
+    """The functions for m ≤ ½; see `states.SmallModulus`."""
     decay, codecay = ((-PI * x / periods.real).exp() for x in (periods.pole, periods.copole))
     theta: Any = RealTheta
-    return theta.of(decay * codecay, decay, codecay, 1 - decay).values(*sine_cosine_of_turns(turns)), Decimal(0)
+    functions = theta.of(decay * codecay, decay, codecay, 1 - decay)
+    return lambda turns: (functions.values(*sine_cosine_of_turns(turns)), Decimal(0))
 
 
-def _imaginary(polhode: Polhode, periods: Periods, argument: Decimal) -> tuple[EllipticValues, Decimal]:
-    """The elliptic functions for m > ½, and what they leave of ½ψ, in turns; see `states.LargeModulus`."""
+def _imaginary(polhode: Polhode, periods: Periods) -> Functions:
+    """The functions for m > ½; see `states.LargeModulus` and `states.Separatrix`."""
     scale = PI / (2 * periods.imaginary)
     quarter = scale * periods.real
     sine, cosine = (sine_cosine_of_turns(x / (4 * periods.imaginary))[0] for x in (periods.pole, periods.copole))
     theta: Any = ImaginaryTheta
     functions = theta.of((-2 * quarter).exp(), quarter, sine, cosine, 0)
     if polhode.m1 == 0:
-        return functions.values((scale * argument, 0)), Decimal(0)
-    half = (2 * argument).to_integral_value() / 2
-    phase = 4 * quarter * (argument - half)
-    values = functions.values((phase, 0)).half_period_later(1 - 4 * abs(half))
-    return values, periods.pole / periods.real * phase / (4 * PI)
+        return lambda u: (functions.values((scale * u, 0)), Decimal(0))
+
+    def values_at(turns: Decimal) -> tuple[EllipticValues, Decimal]:
+        half = (2 * turns).to_integral_value() / 2
+        phase = 4 * quarter * (turns - half)
+        values = functions.values((phase, 0)).half_period_later(1 - 4 * abs(half))
+        return values, periods.pole / periods.real * phase / (4 * PI)
+
+    return values_at
