@@ -142,12 +142,13 @@ def scenario_of(arguments: argparse.Namespace) -> Scenario:
     InputError
         Naming the file that gave a wrong parameter.
     """
+    from lie_rigid_body.recording.poses import with_path
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import file_that_gives, merge, sources
 
     given = sources(arguments.scenario, arguments.params_file, arguments.assignments)
     try:
-        return Scenario.from_parameters(merge(given))
+        return Scenario.from_parameters(with_path(merge(given)))
     except ParameterError as error:
         path = file_that_gives(error.name, given)
         raise error if path is None else InputError(f"{path}: {error}") from None

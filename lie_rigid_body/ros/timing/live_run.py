@@ -15,6 +15,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.pace import BREATH_NS, Pace, UpTo, credit_ns, pace_of
 from lie_rigid_body.ros.timing.requests import ControlError, Mailbox, P, StepRequest, T
@@ -43,7 +44,7 @@ def live_scenario(values: Mapping[str, object]) -> Scenario:
     ParameterError
         If they make none, or its samples do.
     """
-    scenario = Scenario.from_parameters(values)
+    scenario = Scenario.from_parameters(with_path(values))
     steps = scenario.steps_per_sample(min(scenario.rates))
     if steps > MAX_LIVE_STEPS:
         raise ParameterError(
