@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import Value, Vector
+from lie_rigid_body.foundation.parameters import NS, Value, Vector
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion import Description
@@ -125,12 +125,20 @@ def main(given: argparse.Namespace) -> int:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
     name = given.scenario = given.scenario or given.name
     scenario = scenario_of(given)
-    description = describe(scenario.body(), scenario.start())
     title = (
         f"{name}: {describe_file(scenario_files()[name])}"
         if name and not (given.params_file or given.assignments)  # which make another of it
         else ""
     )
+    if path := scenario.path():
+        told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration}
+        return emit(
+            {},
+            lambda: as_text([*_path_parts(told), *_sensor_parts(scenario)], title),
+            lambda: {"parameters": scenario.parameters(), "path": told},
+            as_json=given.json,
+        )
+    description = describe(scenario.body(), scenario.start())
     return emit(
         {},
         lambda: as_text(_parts(scenario, description), title),
@@ -155,9 +163,33 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
         Sentences([*_conservation(description)], "Conserved"),
     ]
-    if scenario.has_sensors:
-        parts.append(Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}"))
-    return parts
+    return [*parts, *_sensor_parts(scenario)]
+
+
+def _path_parts(told: Mapping[str, float]) -> list[Part]:
+    """Answer about a path."""
+    from lie_rigid_body.report.answer import Sentences, Table
+
+    rows = [
+        ("knots", f"{told['knots']}"),
+        ("duration", f"{told['duration_s']:.6g} s"),
+        ("RMS of the acceleration", f"{told['rms_acceleration_m_s2']:.3g} m/s²"),
+    ]
+    return [
+        Table((), rows, "Path"),
+        Sentences(
+            ["The motion is prescribed: a smooth spline through the knots. No law of mechanics conserves anything."]
+        ),
+    ]
+
+
+def _sensor_parts(scenario: Scenario) -> list[Part]:
+    """Table of the sensors, if there are some."""
+    from lie_rigid_body.report.answer import Table
+
+    if not scenario.has_sensors:
+        return []
+    return [Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}")]
 
 
 def _body_rows(description: Description) -> list[tuple[str, ...]]:

@@ -138,6 +138,10 @@ class PosePath:
         squares = np.sum(before * before + before * after + after * after, axis=1) / 3.0
         self.rms_acceleration = float(np.sqrt(np.average(squares, weights=np.diff(self._seconds))))
 
+    def __len__(self) -> int:
+        """Number of knots."""
+        return len(self.knots.t_ns)
+
     def __deepcopy__(self, memo: object) -> PosePath:
         return self  # nothing of it changes
 

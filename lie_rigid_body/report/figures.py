@@ -94,6 +94,8 @@ def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     if film := body(first):
         yield figure(f"The body{whose}", *film, kind="body")
     yield figure("Body rate", rate(pieces), "Angular velocity in the frame of the body.")
+    if first.segment.scenario.path():  # which has neither energy nor momentum
+        return
     if across := herpolhode(first):
         seen = "ω in the world, seen along the angular momentum (cross)."
         yield grid([_polhode(first, whose), figure(f"Herpolhode{whose}", across, seen, kind="tall")], wide=True)
@@ -167,10 +169,11 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     momentum = scenario.body().angular_momentum(scenario.start())
     momentum = momentum / (float(np.linalg.norm(momentum)) or 1.0)
     followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
+    is_free = scenario.path() is None
     moving = _moving(piece, states, followed)
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
-        _arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM),
+        *([_arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM)] * is_free),
         line(
             moving[2][:, 3 * followed + 1],
             f"path of the {'xyz'[followed]} axis",

@@ -184,7 +184,8 @@ def _left_by_errors(scenario: Scenario) -> float:
     told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths
     vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
     scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
-    rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * np.linalg.norm(scenario.initial_body_rate)
+    speed = scenario.rate_bound() if scenario.path() else np.linalg.norm(scenario.initial_body_rate)
+    rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * speed
     return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
 
@@ -212,6 +213,8 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
     truth = scenario.exact_motion().at(t_ns[indices]).attitude_xyzw
     unknown = imu.gyro.linear_errors
     bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, gyro_linear_errors=unknown, **sensors)
+    if scenario.path():  # of which no dynamics are known
+        return bound
     dynamic = dynamic_bound(every[few], motion, start.attitude_xyzw, start.body_rate, gyro_readings=steps, **sensors)
     return replace(bound, dynamic=dynamic)
 
