@@ -142,13 +142,17 @@ def scenario_of(arguments: argparse.Namespace) -> Scenario:
     InputError
         Naming the file that gave a wrong parameter.
     """
-    from lie_rigid_body.recording.poses import with_path
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import file_that_gives, merge, sources
 
     given = sources(arguments.scenario, arguments.params_file, arguments.assignments)
+    parameters = merge(given)
     try:
-        return Scenario.from_parameters(with_path(merge(given)))
+        if parameters.get("motion") == "path":
+            from lie_rigid_body.recording.poses import with_path  # only now: it needs what reads bags
+
+            parameters = with_path(parameters)
+        return Scenario.from_parameters(parameters)
     except ParameterError as error:
         path = file_that_gives(error.name, given)
         raise error if path is None else InputError(f"{path}: {error}") from None

@@ -68,9 +68,9 @@ class Knots(NamedTuple):
     def averaged(self, interval_ns: int) -> Knots:
         """Knots of poses averaged over intervals, with signs that go on continuously.
 
-        A knot is made of a pose and those that follow within less than the interval: their mean time, rounded to ns,
-        their mean position, and the mean of their rotations in the chordal distance (Hartley et al., Int. J. Comput.
-        Vis. 103 (2013), section 5).
+        A knot is made of a pose and those that follow within less than the interval. It has their mean time, rounded
+        to ns, and their mean position. Its attitude is the mean of their rotations in the chordal distance: R. Hartley
+        and others, International Journal of Computer Vision 103 (2013), section 5.
 
         Parameters
         ----------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 from typing import Final
 
@@ -32,9 +32,9 @@ _LAYOUTS: Final = {
     (True, 17): (1, (1, 2, 3), (5, 6, 7, 4)),
     (True, 5): (1, (), (1, 2, 3, 4)),
 }
-"""Layouts of lines, by whether commas part their numbers and how many they are: nanoseconds in the unit of time, the
-columns of the position, and those of the attitude x y z w. They are TUM, EuRoC (scalar first, perhaps with velocity
-and biases behind the pose), and attitudes alone, whose position is 0."""
+"""Layouts of lines, by whether commas separate their numbers, and by how many there are. Each has the nanoseconds of its
+unit of time, the columns of the position, and those of the attitude x y z w. They are TUM, EuRoC (scalar first, perhaps
+with velocity and biases behind the pose), and attitudes alone, whose position is 0."""
 _KINDS: Final = "TUM (t x y z qx qy qz qw, s), EuRoC CSV (ns, position, qw qx qy qz) or t_ns,x,y,z,w"
 
 
@@ -143,11 +143,20 @@ def _rows(path: str, text: str) -> Iterator[tuple[int, list[float]]]:
             raise InputError(f"{path}, line {number}: {shown(content)} is no pose: give {_KINDS}")
         unit, position, attitude = layout
         try:
-            time = Decimal(cells[0]) * unit
             pose = [*(real(cells[i]) for i in position), *(real(cells[i]) for i in attitude)]
-        except (InvalidOperation, ValueError):
-            raise InputError(f"{path}, line {number}: {shown(content)} is not of numbers: give {_KINDS}") from None
-        if not abs(time) < _MAX_NS or (unit == 1 and time != time.to_integral_value()):
-            what = "s" if unit == NS else "whole ns"
-            raise InputError(f"{path}, line {number}: {shown(cells[0])} is no time in {what}: give {_KINDS}")
-        yield round(time), [*[0.0] * (3 - len(position)), *pose]
+            time_ns = _nanoseconds(cells[0], unit)
+        except ValueError:
+            raise InputError(
+                f"{path}, line {number}: {shown(content)} is not of numbers, or has no time: give {_KINDS}"
+            ) from None
+        yield time_ns, [*[0.0] * (3 - len(position)), *pose]
+
+
+def _nanoseconds(text: str, unit: int) -> int:
+    """A time in units of so many ns, as its decimal tells it, in ns; whole ones of a time in ns."""
+    if not abs(real(text)) * unit < _MAX_NS:
+        raise ValueError(f"no time: {text!r}")
+    time = Decimal(text) * unit
+    if unit == 1 and time != time.to_integral_value():
+        raise ValueError(f"no whole ns: {text!r}")
+    return round(time)

@@ -126,8 +126,7 @@ OWN: Final = (
         "path_knots",
         "double_array",
         (),
-        "Knots of the path, eight numbers each: time, s since the first pose, position, m, and attitude x y z w; "
-        "empty: those of path_file.",
+        "Knots of the path: time, s since the first pose, position, m, attitude x y z w each; empty: of path_file.",
         lengths=range(0, KNOT_NUMBERS * MAX_KNOTS + 1, KNOT_NUMBERS),
         minimum=-MAX_TRANSLATION,
         maximum=MAX_TRANSLATION,
