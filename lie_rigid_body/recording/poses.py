@@ -32,9 +32,9 @@ _LAYOUTS: Final = {
     (True, 17): (1, (1, 2, 3), (5, 6, 7, 4)),
     (True, 5): (1, (), (1, 2, 3, 4)),
 }
-"""Layouts of lines, by whether commas separate their numbers, and by how many there are. Each has the nanoseconds of its
-unit of time, the columns of the position, and those of the attitude x y z w. They are TUM, EuRoC (scalar first, perhaps
-with velocity and biases behind the pose), and attitudes alone, whose position is 0."""
+"""Layouts of lines, by whether commas separate their numbers, and by how many there are. Each has the nanoseconds of
+its unit of time, the columns of the position, and those of the attitude x y z w. They are TUM, EuRoC (scalar first,
+perhaps with velocity and biases behind the pose), and attitudes alone, whose position is 0."""
 _KINDS: Final = "TUM (t x y z qx qy qz qw, s), EuRoC CSV (ns, position, qw qx qy qz) or t_ns,x,y,z,w"
 
 

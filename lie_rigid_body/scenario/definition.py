@@ -392,8 +392,9 @@ class Scenario:
                     f"{shown(getattr(self, name))} is given beside motion path, which tells it: leave it out",
                 )
         if not self.path_knots:
+            read = f"{shown(self.path_file)} is read by commands and by simulate: give path_knots here"
             raise ParameterError(
-                "path_file", f"{shown(self.path_file)} was not read, and motion path needs its poses: give path_file"
+                "path_file", read if self.path_file else "motion path has no poses: give a file of them"
             )
         self.path()
 
