@@ -85,10 +85,8 @@ class SegmentLaws:
         self._kicks = scenario.kick_schedule()
         self._mass_centre = scenario.mass_centre()
         self._largest = dict[str, float]()
-        path = scenario.path()
-        self._end_ns = None if path is None else path.last_ns
-        self._slack = 0.0 if path is None else PATH_ERROR
-        laws = _LAWS if path is None else _LAWS[:-_OF_MECHANICS]
+        self._slack = PATH_ERROR if scenario.path() else 0.0
+        laws = _LAWS[:-_OF_MECHANICS] if scenario.path() else _LAWS
         self._tallies = [LawTally(*law, watch=watch) for law in laws]
         self._is_exact = True
 
@@ -101,7 +99,7 @@ class SegmentLaws:
             judged = (
                 *self._attitude_and_rate(part.states, exact, elapsed_ns),
                 *self._position_and_velocity(part, exact, elapsed_ns),
-                *(self._energy_and_momentum(part.states, elapsed_ns) if self._end_ns is None else ()),
+                *(self._energy_and_momentum(part.states, elapsed_ns) if not self._slack else ()),
             )
             for tally, (residuals, limits) in zip(self._tallies, judged, strict=True):
                 tally.add(residuals, limits, part.samples, part.stamps_ns)
@@ -114,11 +112,8 @@ class SegmentLaws:
         x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.T)
         angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
-        if self._end_ns is None:
-            angle += closed_form_error(speeds, elapsed_ns)
-        else:
-            angle[elapsed_ns > self._end_ns] = np.inf  # where there is no motion any more
-        yield angle, self._limit
+        angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
+        yield angle + closed_form_error(speeds, elapsed_ns), self._limit
         yield _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds), RATE_FACTOR * self._limit
         yield np.abs(norm - 1.0), MAX_NORM_ERROR
         yield np.where(cosine < 0.0, 2.0, 0.0), 1.0

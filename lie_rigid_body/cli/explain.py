@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -96,6 +96,11 @@ _MOTION: Final = (
     ("slow", "  not suddenly", "the momentum comes within {nearest} of axis 2, and does not linger there"),
 )
 """Quantities of motions: the case in which each is told, its name and its value."""
+_PATH: Final = (
+    "The motion is a smooth spline through {knots} knots, which ends after {duration_s:.6g} s. The acceleration has an "
+    "RMS of {rms_acceleration_m_s2:.3g} m/s². It is prescribed: no law of mechanics conserves anything."
+)
+"""Sentences about a path."""
 _WHY: Final = {
     "time": "No torque does work on the body: the Lagrangian does not depend on time.",
     "space": "Space has no preferred direction: a motion turned as a whole, about any fixed axis, is again a motion. "
@@ -117,7 +122,7 @@ _WHY: Final = {
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     from lie_rigid_body.motion import describe
-    from lie_rigid_body.report.answer import as_text
+    from lie_rigid_body.report.answer import Sentences, as_text
     from lie_rigid_body.report.outputs import emit
     from lie_rigid_body.scenario.parameter_file import scenario_files
 
@@ -131,10 +136,10 @@ def main(given: argparse.Namespace) -> int:
         else ""
     )
     if path := scenario.path():
-        told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration}
+        told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration()}
         return emit(
             {},
-            lambda: as_text([*_path_parts(told), *_sensor_parts(scenario)], title),
+            lambda: as_text([Sentences([_PATH.format(**told)]), *_sensor_parts(scenario)], title),
             lambda: {"parameters": scenario.parameters(), "path": told},
             as_json=given.json,
         )
@@ -164,23 +169,6 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Sentences([*_conservation(description)], "Conserved"),
     ]
     return [*parts, *_sensor_parts(scenario)]
-
-
-def _path_parts(told: Mapping[str, float]) -> list[Part]:
-    """Answer about a path."""
-    from lie_rigid_body.report.answer import Sentences, Table
-
-    rows = [
-        ("knots", f"{told['knots']}"),
-        ("duration", f"{told['duration_s']:.6g} s"),
-        ("RMS of the acceleration", f"{told['rms_acceleration_m_s2']:.3g} m/s²"),
-    ]
-    return [
-        Table((), rows, "Path"),
-        Sentences(
-            ["The motion is prescribed: a smooth spline through the knots. No law of mechanics conserves anything."]
-        ),
-    ]
 
 
 def _sensor_parts(scenario: Scenario) -> list[Part]:

@@ -7,7 +7,7 @@ acceleration is continuous as well. No law of mechanics is asked for, so that no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -15,14 +15,14 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.state import UNIT_NORM_TOLERANCE
-from lie_rigid_body.motion.motion import states_at
+from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.translation import MassCentre
 
 KNOT_NUMBERS: Final = 8
@@ -33,8 +33,8 @@ MAX_KNOTS: Final = 5000
 """Largest number of knots."""
 MAX_STEP_DEG: Final = 170.0
 """Largest rotation from one knot to the next, degrees: of one near 180° nobody knows which way round it was."""
-MAX_PATH_S: Final = 1e6
-"""Largest time of a knot, s: up to it the shortest decimal of a double tells each nanosecond."""
+RISING: Final = "is not after the one before: give rising times"
+"""Fault of a pose whose time does not rise."""
 
 
 class Knots(NamedTuple):
@@ -57,13 +57,13 @@ class Knots(NamedTuple):
     @classmethod
     def of(cls, numbers: Sequence[float]) -> Knots:
         """The knots of `KNOT_NUMBERS` each, as `numbers` gives them."""
-        rows = np.array(numbers, dtype=np.float64).reshape(-1, KNOT_NUMBERS)
-        return cls(np.rint(rows[:, 0] * NS).astype(np.int64), rows[:, 1:4].copy(), rows[:, 4:].copy())
+        rows = np.reshape(numbers, (-1, KNOT_NUMBERS))
+        return cls(np.rint(rows[:, 0] * NS).astype(np.int64), rows[:, 1:4], rows[:, 4:])
 
     def numbers(self) -> list[float]:
         """The knots as numbers, `KNOT_NUMBERS` for each, from which `of` makes the same ones to the bit."""
         rows = np.column_stack([self.t_ns / NS, self.position, self.attitude_xyzw])
-        return [float(number) for number in rows.ravel()]
+        return rows.ravel().tolist()
 
     def averaged(self, interval_ns: int) -> Knots:
         """Knots of poses averaged over intervals, with signs that go on continuously.
@@ -79,13 +79,13 @@ class Knots(NamedTuple):
         """
         begins = _begins(self.t_ns, interval_ns)
         counts = np.diff(begins, append=len(self.t_ns))
-        mean_ns = np.add.reduceat(self.t_ns, begins) / counts
+        mean_ns = np.rint(np.add.reduceat(self.t_ns, begins) / counts).astype(np.int64)
         position = np.add.reduceat(self.position, begins) / counts[:, np.newaxis]
-        products = self.attitude_xyzw[:, :, np.newaxis] * self.attitude_xyzw[:, np.newaxis, :]
-        mean = np.linalg.eigh(np.add.reduceat(products, begins))[1][:, :, -1]
-        attitude = np.where(counts[:, np.newaxis] == 1, self.attitude_xyzw[begins], mean)
-        signs = np.where(np.einsum("ij,ij->i", attitude[1:], attitude[:-1]) < 0.0, -1.0, 1.0)
-        return Knots(np.rint(mean_ns).astype(np.int64), position, attitude * np.cumprod([1.0, *signs])[:, np.newaxis])
+        products = self.attitude_xyzw[:, :, np.newaxis] * self.attitude_xyzw[:, np.newaxis]
+        attitude = np.linalg.eigh(np.add.reduceat(products, begins))[1][..., -1]
+        before = np.concatenate([self.attitude_xyzw[:1], attitude[:-1]])
+        signs = np.cumprod(np.copysign(1.0, np.einsum("ij,ij->i", attitude, before)))
+        return Knots(mean_ns, position, attitude * signs[:, np.newaxis])
 
 
 def _begins(t_ns: Integers, interval_ns: int) -> Integers:
@@ -110,8 +110,6 @@ class PosePath:
         Time of the last knot, ns since the start.
     rate_bound : float
         Bound of the body rate, rad/s.
-    rms_acceleration : float
-        Root mean square of the acceleration of the mass centre, m/s².
 
     Raises
     ------
@@ -121,22 +119,18 @@ class PosePath:
     """
 
     def __init__(self, knots: Knots) -> None:
-        _require_path(knots)
+        require_path(knots)
         self.knots = knots
         self.last_ns = int(knots.t_ns[-1])
         self._seconds = knots.t_ns / NS
         rotations = scipy.spatial.transform.Rotation.from_quat(knots.attitude_xyzw)
         self._rotation = scipy.spatial.transform.RotationSpline(self._seconds, rotations)
         self._position = scipy.interpolate.CubicSpline(self._seconds, knots.position)
-        self._attitude = quaternion.normalize(knots.attitude_xyzw)
-        self._set_pieces()
-        attitude, rate = self._samples(np.zeros(1, dtype=np.int64))
-        self._start = State.trusted(attitude[0], rate[0])
-        acceleration = self._position(self._seconds, 2)
-        # |a|² is integrated exactly, as a is linear between two knots
-        before, after = acceleration[:-1], acceleration[1:]
-        squares = np.sum(before * before + before * after + after * after, axis=1) / 3.0
-        self.rms_acceleration = float(np.sqrt(np.average(squares, weights=np.diff(self._seconds))))
+        # |ω| ≤ |φ̇|, as J_r lengthens no vector; φ̇ is quadratic, and in the hull of its Bézier points
+        cubic, square, linear, _ = self._rotation.interpolator.c
+        steps = np.diff(self._seconds)[:, np.newaxis]
+        middle = linear + square * steps
+        self.rate_bound = float(norm([linear, middle, middle + (square + 3.0 * cubic * steps) * steps]).max())
 
     def __len__(self) -> int:
         """Number of knots."""
@@ -145,53 +139,42 @@ class PosePath:
     def __deepcopy__(self, memo: object) -> PosePath:
         return self  # nothing of it changes
 
-    def _set_pieces(self) -> None:
-        """Coefficients of φ(t) = ((a τ + b) τ + c) τ, τ = t − t_k, of each piece, shape (K − 1, 3) each, and the bound.
-
-        A cubic is known by its ends and its rates there. Those of φ follow from the body rates: eq. (11), solved.
-        """
-        dt = (np.diff(self.knots.t_ns) / NS)[:, np.newaxis]
-        rates = self._rotation(self._seconds, 1)
-        turn = quaternion.log(_steps(self._attitude))
-        begin = rates[:-1]
-        end = (so3.right_jacobian_inverse(turn) @ rates[1:, :, np.newaxis])[..., 0]
-        self._cubic = (begin + end - 2.0 * turn / dt) / dt**2
-        self._square = (3.0 * turn / dt - 2.0 * begin - end) / dt
-        self._linear = begin
-        # |ω| ≤ |φ̇|, as J_r lengthens no vector, and φ̇ is within the hull of its three Bézier points
-        hull = np.stack([begin, 3.0 * turn / dt - begin - end, end])
-        self.rate_bound = float(norm(hull).max())
-
-    def _inside(self, t_ns: Integers) -> tuple[Integers, Array]:
-        """The nearest times between the first knot and the last, ns, and what is beyond them, s, shape (N, 1)."""
+    def _inside(self, t_ns: Integers) -> tuple[Array, Array]:
+        """The nearest times between the first knot and the last, s, and what is beyond them, s, shape (N, 1)."""
         inside = np.clip(t_ns, self.knots.t_ns[0], self.last_ns)
-        return inside, ((t_ns - inside) / NS)[:, np.newaxis]
+        return inside / NS, ((t_ns - inside) / NS)[:, np.newaxis]
 
     def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
-        inside, beyond = self._inside(t_ns)
-        piece = np.clip(np.searchsorted(self.knots.t_ns, inside, side="right") - 1, 0, len(self._linear) - 1)
-        tau = ((inside - self.knots.t_ns[piece]) / NS)[:, np.newaxis]
-        cubic, square, linear = self._cubic[piece], self._square[piece], self._linear[piece]
-        phi = ((cubic * tau + square) * tau + linear) * tau
-        phi_dot = (3.0 * cubic * tau + 2.0 * square) * tau + linear
-        rate = (so3.right_jacobian(phi) @ phi_dot[..., np.newaxis])[..., 0]
-        attitude = quaternion.multiply(self._attitude[piece], quaternion.exp(phi))
-        return quaternion.normalize(quaternion.multiply(attitude, quaternion.exp(beyond * rate))), rate
+        seconds, beyond = self._inside(t_ns)
+        piece = np.searchsorted(self._seconds[1:-1], seconds, side="right")
+        rate = self._rotation(seconds, 1)
+        attitude = self.knots.attitude_xyzw[piece]
+        # as products, and not as SciPy's rotations, quaternions keep the sign with which they go on
+        for turn in (self._rotation.interpolator(seconds), beyond * rate):
+            attitude = quaternion.multiply(attitude, quaternion.exp(turn))
+        return quaternion.normalize(attitude), rate
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns since the start; see `Motion.at`. Signs of quaternions are continuous."""
-        return states_at(self._start, t_ns, self._samples)
+        times = nanoseconds(t_ns)
+        attitude, rate = self._samples(np.atleast_1d(times))
+        return State.trusted(attitude.reshape(*times.shape, 4), rate.reshape(*times.shape, 3))
 
     def angular_acceleration(self, t_ns: Integers) -> Array:
         """Angular acceleration in the body frame, rad/s², shape (N, 3), at N times, ns since the start."""
-        inside, beyond = self._inside(t_ns)
-        return np.where(beyond == 0.0, self._rotation(inside / NS, 2), 0.0)
+        seconds, beyond = self._inside(t_ns)
+        return np.where(beyond == 0.0, self._rotation(seconds, 2), 0.0)
 
     def mass_centre(self, t_ns: Integers) -> MassCentre:
         """The mass centre at N times, ns since the start."""
-        inside, beyond = self._inside(t_ns)
-        position, velocity, acceleration = (self._position(inside / NS, order) for order in range(3))
+        seconds, beyond = self._inside(t_ns)
+        position, velocity, acceleration = (self._position(seconds, order) for order in range(3))
         return MassCentre(position + beyond * velocity, velocity, np.where(beyond == 0.0, acceleration, 0.0))
+
+    def rms_acceleration(self) -> float:
+        """Root mean square of the acceleration of the mass centre, m/s²."""
+        times = np.arange(self.knots.t_ns[0], self.last_ns, 1 + self.last_ns // MAX_KNOTS // 20)
+        return float(np.sqrt(np.mean(norm(self.mass_centre(times).acceleration) ** 2)))
 
 
 @dataclass(frozen=True)
@@ -205,39 +188,40 @@ class PathTranslation:
         return self.path.mass_centre(t_ns)
 
 
-def _require_path(knots: Knots) -> None:
-    """Refuse knots through which there is no path."""
-    t_ns = knots.t_ns
+def require_path(knots: Knots) -> None:
+    """Refuse knots through which there is no path.
+
+    Raises
+    ------
+    ParameterError
+    """
+    t_ns, _, attitude = knots
     if not MIN_KNOTS <= len(t_ns) <= MAX_KNOTS:
         remedy = "more poses, or a shorter" if len(t_ns) < MIN_KNOTS else "fewer poses, or a longer"
-        raise _refusal(f"{len(t_ns)} knots are not {MIN_KNOTS} to {MAX_KNOTS}: give {remedy} path_interval")
-    if t_ns[0] < 0 or t_ns[-1] > MAX_PATH_S * NS:
-        at = t_ns[0] if t_ns[0] < 0 else t_ns[-1]
-        raise _refusal(f"a knot is at {at / NS:.15g} s, outside of 0 to {MAX_PATH_S:g} s: give a shorter path")
-    if (np.diff(t_ns) <= 0).any():
-        i = int(np.argmax(np.diff(t_ns) <= 0))
-        told = f"knot {i + 2} is at {t_ns[i + 1] / NS:.15g} s, which is not after the one before"
-        raise _refusal(f"{told}, {t_ns[i] / NS:.15g} s: give rising times")
-    lengths = quaternion.norm(knots.attitude_xyzw)
-    if (np.abs(lengths - 1.0) > UNIT_NORM_TOLERANCE).any():
-        i = int(np.argmax(np.abs(lengths - 1.0)))
-        raise _refusal(
-            f"the quaternion of knot {i + 1} has the norm {lengths[i]:.6g}, which is not 1 to {UNIT_NORM_TOLERANCE:g}: "
-            "give unit quaternions"
+        raise ParameterError(
+            "path_knots", f"{len(t_ns)} knots are not {MIN_KNOTS} to {MAX_KNOTS}: give {remedy} path_interval"
         )
-    turns = norm(quaternion.log(_steps(knots.attitude_xyzw)))
-    if (np.degrees(turns) > MAX_STEP_DEG).any():
-        i = int(np.argmax(turns))
-        raise _refusal(
-            f"from knot {i + 1} to knot {i + 2} the body turns by {np.degrees(turns[i]):.4g}°, more than "
-            f"{MAX_STEP_DEG:g}°: give poses that follow each other faster, or a shorter path_interval"
-        )
+    before = np.concatenate([attitude[:1], attitude[:-1]])
+    turns_deg = np.degrees(norm(quaternion.log(quaternion.multiply(quaternion.conjugate(before), attitude))))
+    faults = {
+        RISING: np.diff(t_ns, prepend=-1) <= 0,
+        f"has a quaternion whose norm is not 1 to {UNIT_NORM_TOLERANCE:g}: give unit quaternions": (
+            np.abs(quaternion.norm(attitude) - 1.0) > UNIT_NORM_TOLERANCE
+        ),
+        f"is turned by more than {MAX_STEP_DEG:g}° from the one before: give poses that follow each other faster, or a "
+        "shorter path_interval": turns_deg > MAX_STEP_DEG,
+    }
+    refuse_first("path_knots", "knot", t_ns / NS, faults)
 
 
-def _steps(attitude_xyzw: Array) -> Array:
-    """Rotations from each attitude to the next, on the axes of the body."""
-    return quaternion.multiply(quaternion.conjugate(attitude_xyzw[:-1]), attitude_xyzw[1:])
+def refuse_first(name: str, noun: str, seconds: Array, faults: Mapping[str, Booleans]) -> None:
+    """Refuse poses, naming the first one that has a fault, and its time, s.
 
-
-def _refusal(message: str) -> ParameterError:
-    return ParameterError("path_knots", message)
+    Raises
+    ------
+    ParameterError
+    """
+    for told, has_it in faults.items():
+        if has_it.any():
+            i = int(np.argmax(has_it))
+            raise ParameterError(name, f"{noun} {i + 1}, at {seconds[i]:.15g} s, {told}")

@@ -61,6 +61,8 @@ after an orientation.
 """
 ATTITUDE_TYPES: Final = tuple(_LAYOUTS)
 """Message types that hold an attitude with a stamp."""
+POSE_TYPES: Final = tuple(kind for kind, (_, first, _) in _LAYOUTS.items() if first)
+"""Message types that hold a position as well."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
 """Complaint about a topic of Imu in which no message has an orientation."""
 Kind: TypeAlias = tuple[str | None, bytes]
@@ -235,7 +237,7 @@ class AttitudeTrack:
     covariance : ndarray, shape (N, 3, 3), or None
         As recorded, of small rotations about x, y, z, rad²; None for a type that has none.
     position : ndarray, shape (N, 3), or None
-        As recorded, m; None for a type that has none.
+        As recorded, m; None for a type that has none, and of parts that were joined.
     frame, child_frame : str
         Names of the frames; the child's is empty for a type that has none.
     """
@@ -268,14 +270,13 @@ class AttitudeTrack:
         """Attitudes of one topic that continue each other as one; of at least one part."""
         first, *rest = parts
         covariances = [part.covariance for part in (first, *rest) if part.covariance is not None]
-        positions = [part.position for part in (first, *rest) if part.position is not None]
         return replace(
             first,
             stamps_ns=np.concatenate([first.stamps_ns, *(part.stamps_ns for part in rest)]),
             log_times_ns=np.concatenate([first.log_times_ns, *(part.log_times_ns for part in rest)]),
             attitude_xyzw=np.concatenate([first.attitude_xyzw, *(part.attitude_xyzw for part in rest)]),
             covariance=np.concatenate(covariances) if covariances else None,
-            position=np.concatenate(positions) if positions else None,
+            position=None,
         )
 
 

@@ -13,7 +13,6 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.lie import vectors
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
@@ -59,18 +58,12 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     if not pieces:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
+    over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
+    rate, energy, momentum = curves = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
     whose = "first segment: " if len(pieces) > 1 else ""
-    energy = None
-    if any(piece.segment.scenario.path() for piece in pieces):  # along which nothing is conserved
-        curves = [figure.subplots()]
-        curves[0].set_xlabel("time since the first sample [s]")
-    else:
-        over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
-        curves = [*over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))]
-        energy = curves[1]
-        _draw_drifts(energy, curves[2], pieces)
-        _draw_polhode(of_space, pieces[0], whose)
-    _draw_rate(curves[0], pieces)
+    _draw_rate(rate, pieces)
+    _draw_drifts(energy, momentum, pieces)
+    _draw_polhode(of_space, pieces[0], whose)
     resets = reset_times(pieces)
     # many are short marks at the upper edge
     lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
@@ -107,7 +100,9 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
 
 
 def _drifts(piece: RecordedSegment) -> Array:
-    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4)."""
+    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4); NaN along a path."""
+    if piece.segment.scenario.path():
+        return np.full((len(piece.samples), 4), np.nan)
     body = piece.segment.scenario.body()
     start = piece.segment.scenario.start()
     H = float(body.kinetic_energy(start))
@@ -136,7 +131,7 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
     axes: Axes3D = figure.add_subplot(projection="3d")
     ellipsoid = Ellipsoid.of(piece, MANY_SAMPLES)
     if ellipsoid is None:
-        axes.text2D(0.5, 0.5, "at rest: no polhode", transform=axes.transAxes, ha="center")
+        axes.text2D(0.5, 0.5, "no polhode at rest or along a path", transform=axes.transAxes, ha="center")
         axes.set_axis_off()
         return
     axes.view_init(*VIEW)
@@ -182,7 +177,7 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
         f"torque-free body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
         f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s"
     )
-    if path := scenario.path():
-        told = f"body on a path, {whose}through {len(path)} knots of {path.last_ns / NS:.6g} s"
     samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
+    if path := scenario.path():
+        told = f"body on a path, {whose}through {len(path)} knots"
     return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}"

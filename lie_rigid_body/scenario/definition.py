@@ -342,18 +342,23 @@ class Scenario:
         """Longest step of the moving chart, s; infinite for a body at rest, whose step is the interval."""
         return METHODS[self.method].longest_step(self.max_step, self.rate_bound())
 
+    @property
+    def last_ns(self) -> int:
+        """Time at which the motion ends, ns since the start: of the last pose of a path, else beyond all times."""
+        path = self.path()
+        return path.last_ns if path else 2**64 - 1
+
     def require_until(self, last_ns: int) -> None:
-        """Refuse a time, ns since the start, at which the motion has ended: that along a path ends with its last pose.
+        """Refuse a time, ns since the start, at which the motion has ended.
 
         Raises
         ------
         ParameterError
         """
-        path = self.path()
-        if path is not None and last_ns > path.last_ns:
+        if last_ns > self.last_ns:
             raise ParameterError(
                 "duration",
-                f"{(last_ns + 1) / NS:.15g} s is longer than the path, which ends {path.last_ns / NS:.15g} s after its "
+                f"{(last_ns + 1) / NS:.15g} s is longer than the path, which ends {self.last_ns / NS:.15g} s after its "
                 "first pose: give that time at most",
             )
 

@@ -32,8 +32,8 @@ def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, reco
     sensors = " ".join(names[topic] for topic in sensor_topics(scenario.sensors))
     twist = "TwistStamped" if scenario.stamped_twist else "Twist"
     lines = [
-        f"{names['~']} simulates a {'body on a path' if scenario.path() else 'torque-free rigid body'}",
-        *_what_moves(scenario),
+        f"{names['~']} simulates a {'path' if scenario.path() else 'torque-free rigid body'}",
+        *([] if scenario.path() else _body_and_start(scenario)),
         f"  motion    {_motion(scenario)}",
         f"publishes {scenario.rate:g} times a second, in ROS domain {domain}",
         f"  {names[POSE]}  PoseStamped in {scenario.world_frame}",
@@ -76,10 +76,8 @@ def shape(body: RigidBody) -> str:
     return f"{kind} symmetric top" if kind in ("oblate", "prolate") else f"{kind} top"
 
 
-def _what_moves(scenario: Scenario) -> list[str]:
-    """Lines about the body and its start; none of a path, which is that of any body."""
-    if scenario.path():
-        return []
+def _body_and_start(scenario: Scenario) -> list[str]:
+    """Lines about the body and its start."""
     return [
         f"  body      {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
         f"  start     body rate {_numbers(scenario.initial_body_rate)} rad/s, "

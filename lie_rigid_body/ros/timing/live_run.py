@@ -137,6 +137,11 @@ class LiveRun:
         """The present segment."""
         return self._simulation.segment
 
+    @property
+    def _end_ns(self) -> int:
+        """Stamp at which the motion of the present segment ends, ns."""
+        return self.segment.start_ns + self.segment.scenario.last_ns
+
     def run(self) -> None:
         """Send samples, and carry out calls, until the interruption is requested.
 
@@ -273,7 +278,7 @@ class LiveRun:
             raise ParameterError(
                 "steps", f"{count} lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}: give fewer"
             )
-        if self._has_ended(last_ns):
+        if last_ns > self._end_ns:
             raise ControlError(f"{count} steps lead beyond the last pose of the path: ask for fewer")
         self._take_pace(UpTo(last_ns))
         self._request = StepRequest(first, count)
@@ -329,7 +334,7 @@ class LiveRun:
         stamp = self._simulation.next_stamp_ns
         if not all(sink.ready() for sink in self._sinks) or stamp > self._pace.due_ns(now) or now < self._rested_ns:
             return
-        if self._has_ended(stamp):
+        if stamp > self._end_ns:
             self._warn("the path has ended with its last pose, and so does the node")
             self.quit()
             return
@@ -340,10 +345,8 @@ class LiveRun:
             is_far_behind = self._pace.wait_ns(stamp, now) < -FAR_BEHIND_NS
             credit = credit_ns(now - self._rested_ns, is_far_behind=is_far_behind)
             last_ns = self._pace.last_ns(stamp, now, credit) if self._lockstep is None else stamp
-            if path := self.segment.scenario.path():
-                last_ns = min(last_ns, self.segment.start_ns + path.last_ns)
             try:
-                taken = self._simulation.take_until(last_ns, self._batch_size)
+                taken = self._simulation.take_until(min(last_ns, self._end_ns), self._batch_size)
             except ParameterError as error:
                 self.pause()
                 self._warn(f"paused: {error}")
@@ -355,11 +358,6 @@ class LiveRun:
         if self._lockstep is not None:
             self._lockstep.sent((n, s) for n, some in taken.sensors.items() for s in some.stamps_ns.tolist())
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
-
-    def _has_ended(self, stamp_ns: int) -> bool:
-        """Whether the motion ends before a stamp, ns."""
-        path = self.segment.scenario.path()
-        return path is not None and stamp_ns > self.segment.start_ns + path.last_ns
 
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
         """Keep account of a batch: its punctuality, its last state, the step request it belongs to."""
