@@ -125,7 +125,7 @@ def simulate(
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
     parameters = {**_start(start), **parameters}
-    given = with_path({**_parameters(scenario), **parameters})
+    given = _merged(scenario, parameters)
     chosen = list[dict[str, object]]([{}])
     if seeds is not None:
         if "sensor_seed" in parameters:
@@ -152,7 +152,15 @@ def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str,
     ------
     InputError
     """
-    return Scenario.from_parameters(with_path({**_parameters(scenario), **parameters}))
+    return Scenario.from_parameters(_merged(scenario, parameters))
+
+
+def _merged(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
+    """Parameters over those of a scenario, whose knots another path takes the place of."""
+    own = _parameters(scenario)
+    if {"path_file", "path_interval"} & parameters.keys():
+        own.pop("path_knots", None)
+    return with_path({**own, **parameters})
 
 
 def _start(start: State | None) -> dict[str, object]:

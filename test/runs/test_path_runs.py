@@ -193,6 +193,13 @@ def test_the_text_of_the_longest_path_is_read(tmp_path: Path) -> None:
     assert Run.from_bag(tmp_path / "long.mcap").scenario == again.scenario
 
 
+def test_another_file_takes_the_place_of_the_knots_of_a_scenario(trajectory: Path) -> None:
+    own = Scenario(motion="path", path_knots=knots(1))
+    assert simulate(own, duration=1.0).scenario.path_knots == own.path_knots
+    other = simulate(own, duration=1.0, path_file=str(trajectory), path_interval=0.0).scenario.path_knots
+    assert np.abs(np.array(other) - knots()).max() < 1e-15
+
+
 def test_explain_tells_the_path(trajectory: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["-p", "motion:=path", "-p", f"path_file:={trajectory}", "-p", "path_interval:=0.0"]
     assert main(["explain", "--json", *words]) == 0
