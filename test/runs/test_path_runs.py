@@ -177,6 +177,12 @@ def test_a_filter_sees_nothing_of_the_path(trajectory: Path) -> None:
             getattr(first, method)()
 
 
+def test_a_filter_that_is_given_the_first_attitude_gets_that_of_the_path() -> None:
+    run = run_of(**SENSORS, path_knots=knots(3))
+    given = BlindRun.without_truth(run, ("initial_attitude_xyzw",)).scenario.initial_attitude_xyzw
+    assert np.abs(np.array(given) - run.truth.attitude_xyzw[0]).max() < 1e-15
+
+
 def test_the_text_of_the_longest_path_is_read(tmp_path: Path) -> None:
     draw = np.random.default_rng(0)
     t_ns = np.cumsum(draw.integers(10**7, 2 * 10**8, MAX_KNOTS))
