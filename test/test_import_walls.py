@@ -98,9 +98,8 @@ def wall_around_referee(module: str, target: str) -> bool:
 
 def side(module: str) -> str:
     name = module.removeprefix(MOTION).removeprefix(".").partition(".")[0]
-    return {"": "all", "motion": "contract", "closed_form": "closed form", "description": "closed form"}.get(
-        name, "moving chart"
-    )
+    contract = dict.fromkeys(("motion", "kicks", "harmonics", "translation"), "contract")
+    return {"": "all", **contract, "closed_form": "closed form", "description": "closed form"}.get(name, "moving chart")
 
 
 WALLS = (wall_between_rooms, wall_around_system, wall_around_ros, wall_around_mathematics, wall_around_referee)

@@ -64,6 +64,24 @@ def dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
     return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))
 
 
+def sine_cosine_of_turns(turns: Decimal) -> tuple[Decimal, Decimal]:
+    """The sine and cosine of an angle in the precision in force, by Taylor's series on an eighth of a turn."""
+    quarters = (4 * turns).to_integral_value()
+    x = 2 * PI * (turns - quarters / 4)
+    square = -x * x
+    negligible = Decimal(1).scaleb(-getcontext().prec)
+    sine = term = x
+    cosine = Decimal(1)
+    power = 1
+    while abs(term) > negligible:
+        even = term * -x / (power + 1)
+        power += 2
+        term = term * square / (power * (power - 1))
+        cosine += even
+        sine += term
+    return ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[int(quarters) % 4]
+
+
 @lru_cache(maxsize=64)
 def diagonalised(matrix: Tensor, digits: int) -> PrincipalAxes:
     """Eigenvalues and unit axes, in the order of the diagonal entries that they came from; kept for the next call.

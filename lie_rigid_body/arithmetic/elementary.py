@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
-from typing import Final
+from typing import Any, Final
 
 from lie_rigid_body.arithmetic.decimals import PI, working_precision
 from lie_rigid_body.arithmetic.double_double import DoubleDouble, fast_two_sum, split
@@ -73,14 +73,17 @@ def sine_cosine_of_small(x: Number, rest: Number) -> tuple[Number, Number]:
     return x + (x * z * odd + rest * upper), upper + (((1.0 - upper) - half) + (w * even - x * rest))
 
 
-def exponential(size: Number) -> tuple[Number, Number]:
+def exponential(size: Any) -> tuple[Any, Any]:
     """The exponential exp(−x), and exp(−x) − 1, for x ≥ 0, each to a unit in the last place; 0 and −1 beyond 750.
 
     Parameters
     ----------
     size : number
-        x.
+        x; a decimal has those of its precision.
     """
+    if isinstance(size, Decimal):
+        decay = (-size).exp()
+        return decay, decay - 1
     x = -at_most(size, _MAX_EXPONENT)
     # exp(x) = 2ᵏ exp(r) with |r| ≤ ½ ln 2
     count = nearest(x * (1.0 / _LN2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -28,8 +29,13 @@ def magnitude(x: Any) -> Number:
 
 def sign(x: Any) -> Number:
     """The sign: −1 where the number is negative, else 1."""
-    side: Number = 1.0 - 2.0 * (x < 0.0)
+    side: Number = 1 - 2 * (x < 0)
     return side
+
+
+def guarded(x: Any, least: float) -> Any:
+    """A sum of a number that is not negative and the least one that is not 0; a decimal never underflows."""
+    return x if isinstance(x, Decimal) else x + least
 
 
 def nearest(x: Number) -> Number:
@@ -37,8 +43,10 @@ def nearest(x: Number) -> Number:
     return (x + _WHOLE) - _WHOLE
 
 
-def sqrt(x: Number) -> Number:
-    """The square root √x."""
+def sqrt(x: Any) -> Any:
+    """The square root √x, of a decimal as well."""
+    if isinstance(x, Decimal):
+        return x.sqrt()
     return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)
 
 

@@ -10,9 +10,11 @@ import numpy as np
 from lie_rigid_body.compilation.compiler import compiled
 from lie_rigid_body.foundation.arrays import Array, Integers
 
-MIN_STEPS_TO_COUNT: Final = 1_000
-"""Smallest number of steps in a call that counts: those of a live node are shorter, and it never waits for a
-compiler."""
+MAX_LIVE_SAMPLES: Final = 64
+"""Largest number of samples that a live node asks for at once: it never waits for a compiler."""
+
+MAX_LIVE_STEPS: Final = 1_000
+"""Number of steps in a call that is longer than those of a live node."""
 
 MIN_STEPS_TO_COMPILE: Final = 50_000
 """Number of steps from which on compiled code pays: Python takes a second for so many, and numba half of one to load
@@ -61,7 +63,7 @@ class StepLoop:
         out : ndarray, shape (N, K)
         """
         steps = int(counts.sum())
-        self._steps += steps if steps >= MIN_STEPS_TO_COUNT else 0
+        self._steps += steps if len(counts) > MAX_LIVE_SAMPLES or steps >= MAX_LIVE_STEPS else 0
         if self._steps >= MIN_STEPS_TO_COMPILE:
             self.compile(state, constants)
         for some, takes in _pieces(counts):

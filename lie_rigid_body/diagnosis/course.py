@@ -19,12 +19,14 @@ from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
 from lie_rigid_body.evaluation.causes import UP
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import read_parameters
 from lie_rigid_body.sensors import GRADES
+from lie_rigid_body.sensors.noise import NoiseSource, harmonics
 
 GYRO_KINDS: Final = ("integrated", "instantaneous")
 """Kinds of gyro: values of the parameter ``gyro_rate``."""
@@ -39,6 +41,12 @@ TURN: Final = 2.0
 """Time in which a body is turned from one heading to the next, s."""
 HOLD: Final = 30.0
 """Time for which it is held at each, s."""
+SWAY: Final = (2.0, 2.0, 2.0)
+"""RMS of the acceleration of a carried body on each axis, m/s²."""
+SWAY_BAND: Final = (0.3, 2.0)
+"""Its lowest and highest frequency, Hz."""
+LEVER_ARM: Final = (0.1, -0.1, 0.1)
+"""Place of the accelerometer of a carried body from its mass centre, m."""
 MARGIN: Final = 64
 """Number of extra readings before and after those that a filter is given, which a repair may shift in."""
 
@@ -102,6 +110,8 @@ class Course(Truth):
         Number from which the white noise follows whose densities the scenario tells.
     is_rounded : bool
         Whether matrices of attitudes are rounded to whole numbers: those of the rotations of a cube are exact.
+    is_carried : bool
+        Whether the mass centre sways as the body moves, and the accelerometer is at the end of `LEVER_ARM`.
     """
 
     scenario: Scenario
@@ -114,6 +124,7 @@ class Course(Truth):
     off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
     is_rounded: bool = False
+    is_carried: bool = False
     first_ns = -(2**62)
     last_ns = 2**62
 
@@ -170,6 +181,19 @@ class Course(Truth):
             return quaternion.rotate(quaternion.conjugate(attitude_xyzw), vector)
         return vector @ np.rint(quaternion.to_matrix(attitude_xyzw)) + 0.0  # which makes -0.0 a zero
 
+    def specific_force(self, stamps_ns: Integers) -> Array:
+        """Specific force on the axes of the body, m/s², shape (N, 3)."""
+        attitude, rate = self.states(stamps_ns)
+        weight = self.in_body(attitude, self.parameter("gravity") * UP)
+        if not self.is_carried:
+            return weight
+        passed, pace, change = _own_time(stamps_ns / 1e9 - self.settle_s - self.rest_s, self.ramp_s)
+        sway = harmonics(0, NoiseSource.SWAY, SWAY, SWAY_BAND).at(np.round(passed * 1e9).astype(np.int64))
+        acceleration = sway.acceleration * pace[:, np.newaxis] ** 2 + sway.rate * change[:, np.newaxis]
+        earlier, later = (self.states(stamps_ns + step)[1] for step in (-NS // 2000, NS // 2000))
+        of_rotation = np.cross(1000.0 * (later - earlier), LEVER_ARM) + np.cross(rate, np.cross(rate, LEVER_ARM))
+        return weight + of_rotation + self.in_body(attitude, acceleration)
+
     @property
     def field(self) -> Array:
         """Magnetic field in the world, T, shape (3,)."""
@@ -207,12 +231,19 @@ def _states(scenario: Scenario, rest_s: float, ramp_s: float, stamps_ns: bytes) 
     if not ramp_s:
         states = motion.at(np.round(since * 1e9).astype(np.int64))
         return states.attitude_xyzw, states.body_rate
-    u = np.clip(since / ramp_s, 0.0, 1.0)
-    passed = ramp_s * u**3 * (1.0 - 0.5 * u) + np.maximum(since - ramp_s, 0.0)  # time on the path of the free motion
-    speed = u * u * (3.0 - 2.0 * u)
+    passed, speed, _ = _own_time(since, ramp_s)
     times, place = np.unique(np.round(passed * 1e9).astype(np.int64), return_inverse=True)  # a rest is one time
     states = motion.at(times)[place]
     return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
+
+
+def _own_time(since_s: Array, ramp_s: float) -> tuple[Array, Array, Array]:
+    """Time on the path of the free motion at times since it begins, s, and its first two derivatives."""
+    if not ramp_s:
+        return since_s, np.ones_like(since_s), np.zeros_like(since_s)
+    u = np.clip(since_s / ramp_s, 0.0, 1.0)
+    passed = ramp_s * u**3 * (1.0 - 0.5 * u) + np.maximum(since_s - ramp_s, 0.0)
+    return passed, u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / ramp_s
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,7 +292,7 @@ def readings(course: Course) -> Readings:
         rate = relative_rotations(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
     read = {
         "gyro": rate,
-        "specific_force": course.in_body(attitude, course.parameter("gravity") * UP),
+        "specific_force": course.specific_force(t_ns),
         "field": course.in_body(course.at(field_t_ns), course.field),
     }
     for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):

@@ -330,7 +330,20 @@ def _noisy(search: Search, seed: int = 1) -> Course:
 def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     """Error with noise; its limit is that of TRIAD at the readings that are answered; the least possible is told."""
     course = _noisy(search)
-    stamps = answers[0].track.stamps_ns
+    bound = simulate(course.scenario, duration=course.counted_s).cramer_rao_bound()
+    assert bound
+    least = CramerRaoBound.rms(bound.filtered[len(bound.filtered) // 3 :])
+    return limited(
+        f"with the noise of {_grade(search)} its error is",
+        answers[0].error(),
+        1.01 * _of_single_sets(search, course, answers[0]),
+        f"; the Cramér–Rao bound of filters is {with_unit(float(np.degrees(least)))} over many such runs",
+    )
+
+
+def _of_single_sets(search: Search, course: Course, answer: Answer) -> float:
+    """RMS error, rad, of TRIAD from each single set of readings that is answered, without the first third."""
+    stamps = answer.track.stamps_ns
     read = readings(course)
     held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
@@ -338,15 +351,12 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     attitude = quaternion.from_matrix(world @ np.swapaxes(body, -1, -2))
     single = Matched(read.t_ns, attitude, course, is_level=search.is_level)
     answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
-    bound = simulate(course.scenario, duration=course.counted_s).cramer_rao_bound()
-    assert bound
-    least = CramerRaoBound.rms(bound.filtered[len(bound.filtered) // 3 :])
-    return limited(
-        f"with the noise of {_grade(search)} its error is",
-        answers[0].error(),
-        1.01 * error_of([single[answered[len(stamps) // 3 :]]]),
-        f"; the Cramér–Rao bound of filters is {with_unit(float(np.degrees(least)))} over many such runs",
-    )
+    return error_of([single[answered[len(stamps) // 3 :]]])
+
+
+def _carried(search: Search) -> list[Course]:
+    """A carried body, for a minute: a filter that averages its accelerations needs some seconds."""
+    return [replace(search.course, is_carried=True, moving_s=60.0 - REST)]
 
 
 def _grade(search: Search) -> str:
@@ -470,6 +480,16 @@ PROBES: Final = (
         "slow",
         lambda s: [_at_rate(s, rate, 60.0) for rate in SLOW_RATES],
         _within("of a body that turns by 0.1, 0.05 and 0.02 rad/s for a minute its error is"),
+    ),
+    ProbeRow(
+        "linear_acceleration",
+        _carried,
+        lambda s, o: limited(
+            "carried with 2 m/s² along each axis its error is",
+            o[0].error(),
+            max(s.floor, 0.5 * _of_single_sets(s, _carried(s)[0], o[0])),
+            "; the limit is half of what single sets of readings give",
+        ),
     ),
     ProbeRow(
         "accelerometer_bias", lambda s: _off(s, "specific_force"), lambda s, o: _off_judged(s, o, "an accelerometer")

@@ -145,6 +145,8 @@ class CramerRaoBound:
         Some of the stamps, of a dynamic bound.
     joint : ndarray, shape (3 A, 3 A)
         Covariance of the smoothed errors at these stamps together, rad².
+    carried : bool
+        Whether the body is accelerated, and its acceleration counts as known along its own axes.
     """
 
     filtered: Array
@@ -156,6 +158,7 @@ class CramerRaoBound:
     dynamic: CramerRaoBound | None = None
     joint_ns: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     joint: Array = field(default_factory=lambda: np.empty((0, 0)))
+    carried: bool = False
 
     @staticmethod
     def rms(covariance: Array) -> float:

@@ -112,7 +112,9 @@ class BoundComparison:
     calibrated : BoundComparison or None
         Bounds for known constants; None where there are no constants.
     dynamic : BoundComparison or None
-        Bounds for estimators that know the constants, the inertia and Euler's equations.
+        Bounds for estimators that know the constants, the inertia and Euler's equations; None of a body that is kicked.
+    carried : bool
+        Whether the body is accelerated, and its acceleration counts as known along its own axes.
     """
 
     filtered_deg: Array
@@ -122,6 +124,7 @@ class BoundComparison:
     beaten: bool
     calibrated: BoundComparison | None = None
     dynamic: BoundComparison | None = None
+    carried: bool = False
 
     @classmethod
     def of(cls, bound: CramerRaoBound, stamps_ns: Integers, rms_deg: float) -> BoundComparison:
@@ -135,7 +138,7 @@ class BoundComparison:
         )
         beaten = dynamic.beaten if dynamic else bound.is_below(stamps_ns, np.radians(rms_deg) ** 2, MAX_LUCK)
         of_filtered, of_smoothed = (None if bound.unobserved else Statistics.of(e) for e in (filtered, smoothed))
-        return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated, dynamic)
+        return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated, dynamic, bound.carried)
 
     def to_json(self) -> dict[str, object]:
         """JSON-serialisable data: statistics, what is not observed, and whether an error is below the bounds."""
@@ -144,6 +147,7 @@ class BoundComparison:
             "smoothed_deg": self.smoothed and asdict(self.smoothed),
             "unobserved": self.unobserved,
             "beaten": self.beaten,
+            "carried": self.carried,
             "calibrated": self.calibrated and self.calibrated.to_json(),
             "dynamic": self.dynamic and self.dynamic.to_json(),
         }

@@ -26,6 +26,8 @@ _ORDER: Final = 16
 """Order of the polynomials: within ½ rad of a node the next term of the second derivative is below 2e-17."""
 _SPAN: Final = 0.5
 """Largest phase, rad, from a node to a time near it."""
+_AT_ONCE: Final = 1024
+"""Number of samples whose polynomials are evaluated at once."""
 _RADIANS: Final = 2.0 * math.pi
 
 
@@ -87,17 +89,17 @@ class Harmonics:
         nodes = (t_ns + self._spacing // 2) // self._spacing
         seconds = ((t_ns - nodes * self._spacing) + (beyond_ns - whole)) * 1e-9
         nodes, places = np.unique(nodes, return_inverse=True)
-        return _evaluate(self._polynomials(nodes * self._spacing), places, seconds[:, np.newaxis])
+        return _evaluate(self._polynomials(nodes * self._spacing), places, seconds)
 
-    def _polynomials(self, nodes_ns: Integers) -> list[Array]:
-        """Coefficients of the position's Taylor polynomials about some times, by rising powers, shape (M, 3) each."""
+    def _polynomials(self, nodes_ns: Integers) -> Array:
+        """Coefficients of the position's Taylor polynomials about M times, by rising powers, shape (17, 3, M)."""
         # the phase in whole units, reduced modulo a turn: the wrapped products differ by what is small, and so exactly
         turns = np.rint(self._steps * (nodes_ns[:, np.newaxis, np.newaxis] / _TURN)).astype(np.int64)
         units = self._steps * nodes_ns[:, np.newaxis, np.newaxis] - turns * _TURN
         phases = units / _TURN + self._turns
         sine, cosine = sine_cosine((phases - np.rint(phases), np.zeros_like(phases)))
         derivatives = (cosine, -sine, -cosine, sine)
-        return [_sum(scale * derivatives[power % 4]) for power, scale in enumerate(self._coefficients)]
+        return np.stack([_sum(scale * derivatives[power % 4]).T for power, scale in enumerate(self._coefficients)])
 
 
 def _coefficients(amplitude: Array, angular_frequency: Array) -> list[Array]:
@@ -116,16 +118,21 @@ def _sum(terms: Array) -> Array:
     return total
 
 
-def _evaluate(polynomials: list[Array], places: Integers, seconds: Array) -> Oscillation:
-    """Horner's scheme for polynomials and two derivatives, shape (N, 3) each."""
-    value = polynomials[-1][places]
-    rate = np.zeros_like(value)
-    half = np.zeros_like(value)
-    for coefficient in reversed(polynomials[:-1]):
-        half *= seconds
-        half += rate
-        rate *= seconds
-        rate += value
-        value *= seconds
-        value += coefficient[places]
-    return Oscillation(value, rate, 2.0 * half)
+def _evaluate(polynomials: Array, places: Integers, seconds: Array) -> Oscillation:
+    """Polynomials and their first two derivatives by Horner's scheme; some samples at once, as caches are small."""
+    found = np.empty((3, len(places), 3))
+    for begin in range(0, len(places), _AT_ONCE):
+        some = slice(begin, begin + _AT_ONCE)
+        *lower, value = polynomials.take(places[some], axis=2)
+        rate = np.zeros_like(value)
+        half = np.zeros_like(value)
+        x = seconds[some]
+        for coefficient in reversed(lower):
+            half *= x
+            half += rate
+            rate *= x
+            rate += value
+            value *= x
+            value += coefficient
+        found[:, some] = value.T, rate.T, 2.0 * half.T
+    return Oscillation(*found)

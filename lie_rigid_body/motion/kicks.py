@@ -6,13 +6,11 @@ torque-free, so that it has an energy and a momentum of its own.
 
 from __future__ import annotations
 
-import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
-from operator import attrgetter
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,14 +21,11 @@ from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.motion import Motion, states_at
-from lie_rigid_body.motion.time_steps import require_order
 
 KICK_NUMBERS: Final = 4
 """Numbers of a kick: its time, s, and the body rate right after it, rad/s."""
 MAX_KICKS: Final = 1000
 """Largest number of kicks in a list."""
-_KEPT_STARTS: Final = 1000
-"""Arcs from one start that is kept to the next: no question costs more than so many arcs."""
 _MAX_TIME: Final = 2**62
 """Largest time of a kick or a period, ns."""
 
@@ -135,14 +130,6 @@ class Kicks:
             yield number, order[begin:end]
 
 
-class _Arc(NamedTuple):
-    """A free motion between two kicks, from its start on."""
-
-    number: int
-    start: State
-    motion: Motion
-
-
 class KickedMotion(ABC):
     """A body's motion across kicks: arcs of free motion, each of which begins where the one before ended.
 
@@ -151,19 +138,11 @@ class KickedMotion(ABC):
     kicks : Kicks
     start : State
         State at time 0, of one instant.
-    free : callable
-        ``free(start)`` makes the free motion from a state on.
-
-    Notes
-    -----
-    The last attitude of an arc is rounded to doubles before the next arc begins with it.
     """
 
-    def __init__(self, kicks: Kicks, start: State, free: Callable[[State], Motion]) -> None:
+    def __init__(self, kicks: Kicks, start: State) -> None:
         self._kicks = kicks
         self._start = start
-        self._free = free
-        self._first = _Arc(0, start, free(start))
 
     def __repr__(self) -> str:
         return call_repr(self, {"kicks": len(self._kicks), "start": self._start})
@@ -191,71 +170,12 @@ class KickedMotion(ABC):
     def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
         """Attitudes and body rates at N times, shapes (N, 4) and (N, 3)."""
 
-    def _samples_of(self, t_ns: Integers, arc_at: Callable[[int], _Arc]) -> tuple[Array, Array]:
+    def _by_arcs(self, t_ns: Integers, motion_of: Callable[[int], Motion]) -> tuple[Array, Array]:
+        """Attitudes and body rates at N times, from the free motions of the arcs, which are asked for in order."""
         attitude = np.empty((len(t_ns), 4))
         rate = np.empty((len(t_ns), 3))
-        for number, places in self._kicks.parts(t_ns):
-            states = arc_at(number).motion.at(t_ns[places] - self._kicks.begin_ns(number))
+        for arc, places in self._kicks.parts(t_ns):
+            states = motion_of(arc).at(t_ns[places] - self._kicks.begin_ns(arc))
             attitude[places] = states.attitude_xyzw
             rate[places] = states.body_rate
         return attitude, rate
-
-    def _next(self, arc: _Arc) -> _Arc:
-        """The arc after one, whose motion may have reached any time of it."""
-        number = arc.number + 1
-        end = copy.copy(arc.motion).at(self._kicks.begin_ns(number) - self._kicks.begin_ns(arc.number))
-        start = State.trusted(end.attitude_xyzw, self._kicks.rate(number))
-        return _Arc(number, start, self._free(start))
-
-
-class KickedSteps(KickedMotion):
-    """A kicked motion that goes through rising times only, as free motions that take steps do; one arc is kept."""
-
-    def __init__(self, kicks: Kicks, start: State, free: Callable[[State], Motion]) -> None:
-        super().__init__(kicks, start, free)
-        # replaced as a whole, never changed: a copy of the motion goes on by itself, and a signal finds both or none
-        self._reached = self._first, 0
-
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
-        reached, reached_ns = self._reached
-        require_order(t_ns, reached_ns)
-
-        def arc_at(number: int) -> _Arc:
-            nonlocal reached
-            while reached.number < number:
-                reached = self._next(reached)
-            reached = reached._replace(motion=copy.copy(reached.motion))
-            return reached
-
-        samples = self._samples_of(t_ns, arc_at)
-        self._reached = reached, int(t_ns[-1]) if len(t_ns) else reached_ns
-        return samples
-
-
-class KickedClosedForm(KickedMotion):
-    """A kicked motion that may be asked for any time: it keeps two arcs, and the start of every thousandth.
-
-    So no question costs more than a thousand arcs, once they were gone through. Copies share those starts.
-    """
-
-    def __init__(self, kicks: Kicks, start: State, free: Callable[[State], Motion]) -> None:
-        super().__init__(kicks, start, free)
-        self._recent = (self._first, self._first)
-        self._starts = {0: start}
-
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
-        return self._samples_of(t_ns, self._arc_at)
-
-    def _arc_at(self, number: int) -> _Arc:
-        recent = [arc for arc in self._recent if arc.number <= number]
-        arc = max(recent, key=attrgetter("number"), default=None)
-        kept = max(begin for begin in self._starts if begin <= number)
-        if arc is None or arc.number < kept:
-            arc = _Arc(kept, self._starts[kept], self._free(self._starts[kept]))
-        while arc.number < number:
-            arc = self._next(arc)
-            if arc.number % _KEPT_STARTS == 0:
-                self._starts[arc.number] = arc.start
-        if all(arc.number != each.number for each in self._recent):
-            self._recent = (self._recent[-1], arc)
-        return arc

@@ -190,7 +190,10 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
     if score.best and score.best.unobserved:
         yield "bound", f"not known: no sensor tells {score.best.unobserved}"
     elif score.best:
-        yield "bound", f"{WITHOUT_DYNAMICS}; dynamic: of those that know the inertia and Euler's equations"
+        dynamic = "; dynamic: of those that know the inertia and Euler's equations" if score.best.dynamic else ""
+        yield "bound", f"{WITHOUT_DYNAMICS}{dynamic}"
+        if score.best.carried:
+            yield "bound", "that of the same run without acceleration, which counts as known along the body's axes"
     if score.best and score.best.beaten:
         yield (
             "remark",

@@ -27,8 +27,7 @@ from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Sensors
-from lie_rigid_body.sensors.sensor import VectorMeasurement
+from lie_rigid_body.sensors.sensor import AttitudeMeasurement, SensorModel, VectorMeasurement
 from lie_rigid_body.simulation import SampleClock, Segment
 
 THINNED: Final = 5_000
@@ -58,7 +57,9 @@ their durations."""
 def cramer_rao_bound_of(segments: Sequence[Segment], last_ns: int, most: int = MAX_BOUNDED) -> CramerRaoBound | None:
     """The bound for estimators that read every sensor of a run, and know all of its errors but noise and biases.
 
-    They do not know the dynamics; those that do have the bound in ``dynamic``.
+    They do not know the dynamics; those that do have the bound in ``dynamic``, where no kicks interrupt the motion. The
+    acceleration of a carried body counts as known along its own axes, so that it tells nothing of the heading: the
+    bound is that of the same run without it.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def cramer_rao_bound_of(segments: Sequence[Segment], last_ns: int, most: int = M
     InputError
         If the scenario declares more than `MAX_DECLARED` readings, or a vector or a noise is too small or too large.
     """
-    if not segments or not all(_has_noise(segment.scenario.sensors) for segment in segments):
+    if not segments or not all(_has_noise(segment.scenario) for segment in segments):
         return None
     whole = max(1, last_ns - segments[0].start_ns)
     parts = list[CramerRaoBound]()
@@ -114,6 +115,7 @@ def _in_turn(parts: Sequence[CramerRaoBound]) -> CramerRaoBound | None:
         _in_turn([part.dynamic for part in parts if part.dynamic is not None]),
         np.concatenate([part.joint_ns for part in parts]),
         scipy.linalg.block_diag(*(part.joint for part in parts)),
+        any(part.carried for part in parts),
     )
 
 
@@ -135,7 +137,8 @@ def sensor_limits(
     bound = None if bounded_ns is None else _bound_of_score(segments, min(bounded_ns, truth.last_ns))
     share = 0.0 if gyro is None else at_limit(gyro, segments[0].scenario)
     imus = [segment.scenario.sensors.imu for segment in segments]
-    weightless = any(imu is not None and not imu.support for imu in imus)
+    thrown = any(segment.scenario.translation == "thrown" for segment in segments)
+    weightless = thrown or any(imu is not None and not imu.support for imu in imus)
     return SensorLimits(bound, left_by_errors_of(segments), share, weightless)
 
 
@@ -173,8 +176,7 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
 @np.errstate(over="ignore")  # a vector may be as near to 0 as numbers get, and tells nothing then
 def _left_by_errors(scenario: Scenario) -> float:
     imu = scenario.sensors.imu
-    sensors = scenario.sensors.on.values()
-    aids = [aid for model in sensors for aid in model.measurement_models if isinstance(aid, VectorMeasurement)]
+    aids = [aid for _, aid in _measurement_models(scenario) if isinstance(aid, VectorMeasurement)]
     if imu is None:
         return 0.0
     references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
@@ -184,8 +186,9 @@ def _left_by_errors(scenario: Scenario) -> float:
     told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths
     vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
     scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
-    speed = scenario.rate_bound() if scenario.path() else np.linalg.norm(scenario.initial_body_rate)
-    rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * speed
+    fastest = np.linalg.norm([scenario.initial_body_rate, *scenario.kick_schedule().body_rate], axis=1).max()
+    fastest = scenario.rate_bound() if scenario.path() else fastest
+    rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * fastest
     return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
 
@@ -213,7 +216,8 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
     truth = scenario.exact_motion().at(t_ns[indices]).attitude_xyzw
     unknown = imu.gyro.linear_errors
     bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, gyro_linear_errors=unknown, **sensors)
-    if scenario.path():  # of which no dynamics are known
+    bound = replace(bound, carried=scenario.sway() is not None or scenario.path() is not None)
+    if scenario.kicks or scenario.path():  # nobody knows them, and between kicks the dynamics tell little
         return bound
     dynamic = dynamic_bound(every[few], motion, start.attitude_xyzw, start.body_rate, gyro_readings=steps, **sensors)
     return replace(bound, dynamic=dynamic)
@@ -238,23 +242,31 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
 
 def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeReadings]:
     """Readings of vectors and of attitudes by which the sensors of a segment tell the attitude."""
-    for model in segment.scenario.sensors.on.values():
+    for model, aid in _measurement_models(segment.scenario):
         stamps = _stamps(segment, model.rate, last_ns)
-        for aid in model.measurement_models if len(stamps) else ():
-            if isinstance(aid, VectorMeasurement):
-                bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
-                yield VectorReadings(stamps, np.array(aid.reference), aid.noise, bias, aid.linear_errors)
-            else:
-                across = aid.across**2
-                about = aid.about**2
-                axis = np.outer(aid.axis, aid.axis)
-                yield AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis)
+        if not len(stamps):
+            continue
+        if isinstance(aid, VectorMeasurement):
+            bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
+            yield VectorReadings(stamps, np.array(aid.reference), aid.noise, bias, aid.linear_errors)
+        else:
+            across = aid.across**2
+            about = aid.about**2
+            axis = np.outer(aid.axis, aid.axis)
+            yield AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis)
 
 
-def _has_noise(sensors: Sensors) -> bool:
+def _measurement_models(scenario: Scenario) -> Iterator[tuple[SensorModel, VectorMeasurement | AttitudeMeasurement]]:
+    """What the sensors of a scenario tell of the attitude: the accelerometer of a thrown body no vertical."""
+    for name, model in scenario.sensors.on.items():
+        if name != "imu" or scenario.translation != "thrown":
+            yield from ((model, aid) for aid in model.measurement_models)
+
+
+def _has_noise(scenario: Scenario) -> bool:
     """Whether there is an IMU, and each sensor that tells of the attitude has white noise: else no error is left."""
-    imu = sensors.imu
-    aids = [aid for model in sensors.on.values() for aid in model.measurement_models]
+    imu = scenario.sensors.imu
+    aids = [aid for _, aid in _measurement_models(scenario)]
     told = imu is not None and imu.orientation is None and imu.gyro.noise_density
     return bool(told and not any(aid.is_exact for aid in aids))
 

@@ -19,8 +19,10 @@ from lie_rigid_body.foundation.wording import call_repr, numerals, shown, sugges
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
+from lie_rigid_body.motion.closed_form.kicked import KickedClosedForm
 from lie_rigid_body.motion.harmonics import Harmonics
-from lie_rigid_body.motion.kicks import KickedClosedForm, KickedSteps, Kicks
+from lie_rigid_body.motion.kicked_steps import KickedSteps
+from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.path import Knots, PathTranslation, PosePath
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
 from lie_rigid_body.motion.translation import Carried, Resting, SwayClock, Thrown, Translation, ramp_s
@@ -235,8 +237,9 @@ class Scenario:
         """
         if path := self.path():
             return path
-        free = partial(ClosedForm, self.body())
-        return KickedClosedForm(self.kick_schedule(), self.start(), free) if self.kicks else free(self.start())
+        if self.kicks:
+            return KickedClosedForm(self.kick_schedule(), self.body(), self.start())
+        return ClosedForm(self.body(), self.start())
 
     def make_motion(self) -> Motion:
         """A new motion from the start."""

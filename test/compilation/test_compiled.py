@@ -18,7 +18,7 @@ import pytest
 import lie_rigid_body
 from lie_rigid_body import MovingChart, RigidBody, State
 from lie_rigid_body.compilation import StepLoop, compiler, step_loop
-from lie_rigid_body.compilation.step_loop import MIN_STEPS_TO_COMPILE, MIN_STEPS_TO_COUNT
+from lie_rigid_body.compilation.step_loop import MAX_LIVE_SAMPLES, MAX_LIVE_STEPS, MIN_STEPS_TO_COMPILE
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.motion.munthe_kaas.integrator import LOOPS
@@ -129,16 +129,18 @@ def test_only_much_work_in_long_calls_asks_for_the_compiler(monkeypatch):
     loop, asked = StepLoop(nothing, tuple), []
     monkeypatch.setattr(step_loop, "compiled", lambda *_: asked.append(_))
 
-    def work(steps: int) -> None:
-        loop.run((0.0,), (0.0,), np.array([1000]), np.array([steps]), np.empty((1, 7)))
+    def work(steps: int, samples: int = 1) -> None:
+        spans = np.full(samples, 1000)
+        loop.run((0.0,), (0.0,), spans, np.full(samples, steps // samples), np.empty((samples, 7)))
 
-    for _ in range(2 * MIN_STEPS_TO_COMPILE // MIN_STEPS_TO_COUNT):
-        work(MIN_STEPS_TO_COUNT - 1)
+    for _ in range(2 * MIN_STEPS_TO_COMPILE // MAX_LIVE_STEPS):
+        work(MAX_LIVE_STEPS - 1)
+        work(MAX_LIVE_SAMPLES, MAX_LIVE_SAMPLES)
     assert not asked  # a live node never waits for it
-    work(MIN_STEPS_TO_COMPILE - 1)
+    work(MIN_STEPS_TO_COMPILE - MAX_LIVE_STEPS - 1)
+    work(500, 100)
     assert not asked
-    work(MIN_STEPS_TO_COUNT)
-    work(MIN_STEPS_TO_COUNT)
+    work(MAX_LIVE_STEPS)
     assert len(asked) == 1
 
 

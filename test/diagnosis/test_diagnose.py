@@ -32,12 +32,13 @@ from sampled import sampled
 HERE = Path(__file__).parent
 SLOWLY: dict[str, Any] = {"imu_rate": 25.0, "magnetometer_rate": 25.0}
 CODES = "follows half_turn exact_starts other_fields headings irregular_steps converges gyro_bias slow"
-CODES += " accelerometer_bias hard_iron noise dropouts long_run repeatable norm finite needs_rest"
+CODES += " linear_acceleration accelerometer_bias hard_iron noise dropouts long_run repeatable norm finite needs_rest"
 SWAPPED = [1, 0, 2]
 
 
 def failed(found: FilterDiagnosis) -> list[str]:
-    return [probe.code for probe in found.failed]
+    """Codes of failed probes, but for that which every filter without memory fails."""
+    return [probe.code for probe in found.failed if probe.code != "linear_acceleration"]
 
 
 def test_right_filter_has_no_mistake_and_passes_every_probe() -> None:
@@ -45,7 +46,7 @@ def test_right_filter_has_no_mistake_and_passes_every_probe() -> None:
     assert found.mistakes == ()
     assert " ".join(probe.code for probe in found.probes) == CODES
     assert failed(found) == []
-    assert found.passed
+    assert [probe.code for probe in found.failed] == ["linear_acceleration"]  # it trusts each single set of readings
     assert found.rms_deg < 1e-10
     assert [note.code for note in found.notes] == ["deaf"]  # the gyro
 
@@ -159,7 +160,8 @@ def test_nan_fails_the_probe_with_the_first_sample() -> None:
 def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(estimate: Callable[[Any], Any], said: str) -> None:
     found = diagnose(lambda run: estimate(run), parameters={"sensor_grade": "tactical"})
     (probe,) = (probe for probe in found.probes if probe.code == "covariance")
-    assert probe.passed == (said == "No inconsistency") == found.passed
+    assert probe.passed == (said == "No inconsistency")
+    assert failed(found) == ([] if probe.passed else ["covariance"])
     assert said in probe.message
     assert probe.value is not None
     assert (abs(probe.value - 3.0) < 0.5) == probe.passed
@@ -170,7 +172,7 @@ def test_covariance_is_not_judged_without_the_noise_that_the_filter_assumes() ->
     found = diagnose(lambda run: textbook.triad_with_deviations(run))
     (probe,) = (probe for probe in found.probes if probe.code == "covariance")
     assert probe.passed is None
-    assert found.passed
+    assert failed(found) == []
 
 
 @pytest.mark.slow

@@ -15,11 +15,12 @@ are as S to C + √(S² + C²), and no arctangent is needed.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple, TypeAlias
+from collections.abc import Sequence
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from lie_rigid_body.arithmetic.double_double import DoubleDouble
 from lie_rigid_body.arithmetic.elementary import sine_cosine
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, magnitude, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, Quadruple, guarded, magnitude, sqrt
 from lie_rigid_body.lie.quaternion import product
 from lie_rigid_body.motion.closed_form.jacobi import EllipticValues, PeriodicPrecession
 
@@ -58,35 +59,48 @@ class AttitudeConstants(NamedTuple):
 
     def sample(self, values: EllipticValues, half_turn: DoubleDouble) -> Sample:
         """The state from the elliptic functions, and ½ψ in turns without ½(Θ − φ) or its part that the values give."""
-        s, c = self._half_precession(values, half_turn)
-        # n₁, n₂ and 1 + n₃
-        n1 = self.directions[0] * values.cn
-        n2 = self.directions[1] * values.sn
-        upright = 1.0 + self.directions[2] * values.dn
-        # exp(ψ e₃) ⊗ conj(b(n)), proportional to (0, 0, s, c) ⊗ (n₂, −n₁, 0, 1 + n₃), between W and conj(F)
-        x, y, z, w = _applied(self.attitude, (c * n2 + s * n1, s * n2 - c * n1, s * upright, c * upright))
+        turned = untilted(self.sense, self.transverse, self.directions, values, *sine_cosine(half_turn))
+        x, y, z, w = _applied(self.attitude, turned)
         size = 1.0 / sqrt((x * x + y * y) + (z * z + w * w))
         # ω = Σ axis · amplitude · (cn, sn, dn)
         a, b, c = (row[0] * values.cn + row[1] * values.sn + row[2] * values.dn for row in self.rates)
         return x * size, y * size, z * size, w * size, a, b, c
 
-    def _half_precession(self, values: EllipticValues, half_turn: DoubleDouble) -> tuple[Number, Number]:
-        """The sine and the cosine of ½ψ, times a common positive factor."""
-        # S = sin(Θ − φ) and C = cos(Θ − φ) from those of Θ and of φ, each in proportion
-        x = self.transverse[0] * values.cn
-        y = self.transverse[1] * values.sn
-        across = values.sine * x - values.cosine * y
-        # positive, but its square may be too small for a double, or even itself
-        along = values.cosine * x + values.sine * y + _NEGLIGIBLE
-        scale = 1.0 / (along + magnitude(across))
-        across = across * scale
-        along = along * scale
-        # tan ½x = S/(C + √(S² + C²))
-        s = self.sense * across
-        c = along + sqrt(along * along + across * across)
-        # the sum of the two angles
-        sine, cosine = sine_cosine(half_turn)
-        return sine * c + cosine * s, cosine * c - sine * s
+
+def untilted(
+    sense: Any, transverse: Sequence[Any], directions: Sequence[Any], values: EllipticValues, sine: Any, cosine: Any
+) -> tuple[Any, Any, Any, Any]:
+    """A quaternion proportional to exp(ψ e₃) ⊗ conj(b(n)), of numbers of any kind.
+
+    Parameters
+    ----------
+    sense, transverse, directions
+        As of `AttitudeConstants`.
+    values : EllipticValues
+    sine, cosine : number
+        Those of ½ψ without ½(Θ − φ), or its part that the values give.
+    """
+    # S = sin(Θ − φ) and C = cos(Θ − φ) from those of Θ and of φ, each in proportion
+    x = transverse[0] * values.cn
+    y = transverse[1] * values.sn
+    across = values.sine * x - values.cosine * y
+    # positive, but its square may be too small for a double, or even itself
+    along = guarded(values.cosine * x + values.sine * y, _NEGLIGIBLE)
+    scale = 1 / (along + magnitude(across))
+    across = across * scale
+    along = along * scale
+    # tan ½x = S/(C + √(S² + C²))
+    own_sine = sense * across
+    own_cosine = along + sqrt(along * along + across * across)
+    # the sum of the two angles
+    s = sine * own_cosine + cosine * own_sine
+    c = cosine * own_cosine - sine * own_sine
+    # n₁, n₂ and 1 + n₃
+    n1 = directions[0] * values.cn
+    n2 = directions[1] * values.sn
+    upright = 1 + directions[2] * values.dn
+    # proportional to (0, 0, s, c) ⊗ (n₂, −n₁, 0, 1 + n₃)
+    return c * n2 + s * n1, s * n2 - c * n1, s * upright, c * upright
 
 
 def attitude_map(world_xyzw: Four, frame_xyzw: Four) -> tuple[Four, Four, Four, Four]:

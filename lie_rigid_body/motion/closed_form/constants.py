@@ -13,7 +13,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final
+from functools import lru_cache
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -184,7 +185,7 @@ def motion_of(body: RigidBody, start: State) -> BodyMotion:
     with working_precision(digits_for(inertia)):
         if is_steady(inertia, rate):
             return _steady(rate, (x, y, z, w))
-        return _general(*frame_and_polhode(inertia, rate), (x, y, z, w))
+        return _general(*constants_of(inertia, tuple(rate)), (x, y, z, w))
 
 
 def _steady(body_rate: Sequence[float], attitude: Four) -> Steady:
@@ -195,12 +196,25 @@ def _steady(body_rate: Sequence[float], attitude: Four) -> Steady:
     return Steady(half_turn_rate(speed), attitude, across, (float(x), float(y), float(z)))
 
 
-def _general(frame: PrincipalFrame, polhode: Polhode, attitude: Four) -> BodyMotion:
-    """The motion from its frame, its polhode and the attitude at the start."""
+Constants: TypeAlias = tuple[PrincipalFrame, Polhode, Periods, Decimal]
+"""Frame, polhode and periods of a motion that is not steady, and the mean rate of ψ, rad/s."""
+
+
+@lru_cache(maxsize=4)
+def constants_of(inertia: Tensor, body_rate: Three) -> Constants:
+    """The constants of a motion that is not steady, in the precision in force; those of the last ones are kept."""
+    frame, polhode = frame_and_polhode(inertia, body_rate)
     periods = Periods.of(polhode)
     # of ψ: the precession angle of the third axis less the azimuth of n, which makes half a turn for every 2K of u
     azimuth_rate = frame.sense * PI * polhode.argument_rate / (2 * periods.real)
-    turning = half_turn_rate(precession_rate(frame, polhode) - azimuth_rate)
+    return frame, polhode, periods, precession_rate(frame, polhode) - azimuth_rate
+
+
+def _general(
+    frame: PrincipalFrame, polhode: Polhode, periods: Periods, mean_rate: Decimal, attitude: Four
+) -> BodyMotion:
+    """The motion from its constants and the attitude at the start."""
+    turning = half_turn_rate(mean_rate)
     if 2 * polhode.m1 >= 1:
         # ζ = πu/2K
         scale = PI / (2 * periods.real)
@@ -241,8 +255,8 @@ def _attitude(
     frame: PrincipalFrame, polhode: Polhode, precession: PeriodicPrecession, attitude: Four
 ) -> AttitudeConstants:
     """The numbers from which phases give the attitude, which begins as it is given."""
-    amplitudes = _unit_momentum(frame, polhode, polhode.amplitudes)
-    initial = _unit_momentum(frame, polhode, frame.rate)
+    amplitudes = unit_momentum(frame, polhode, polhode.amplitudes)
+    initial = unit_momentum(frame, polhode, frame.rate)
     rows = [_rounded(row) for row in zip(*frame.axes, strict=True)]
     x, y, z, w = quaternion.conjugate(quaternion.from_matrix(np.array(rows))).tolist()
     world = world_rotation(
@@ -264,7 +278,7 @@ def _attitude(
     )
 
 
-def _unit_momentum(frame: PrincipalFrame, polhode: Polhode, rate: Vector) -> list[Decimal]:
+def unit_momentum(frame: PrincipalFrame, polhode: Polhode, rate: Vector) -> list[Decimal]:
     """The unit momentum of a rate in the principal frame."""
     return [j * w / polhode.momentum for j, w in zip(frame.moments, rate, strict=True)]
 

@@ -8,7 +8,7 @@ q¹⁶ < 2e-22. The cubic polynomials are (DLMF 20.2.1-20.2.4)
 
 For m ≤ ½ the argument is real, ζ = πu/2K with the nome q = exp(−πK′/K) (`RealTheta`). For m > ½ it is imaginary, χ =
 πu/2K′ with the nome q′ = exp(−πK/K′) of the complementary parameter (`ImaginaryTheta`). So the nome never exceeds
-exp(−π), and is 0 on the separatrix, where the functions are hyperbolic.
+exp(−π), and is 0 on the separatrix, where the functions are hyperbolic. The formulas serve floats, arrays and decimals.
 
 The periodic part Θ of the precession is the odd function of u, π/2 at u = K, whose sine and cosine have the signs of sn
 and cn, and
@@ -26,11 +26,11 @@ NIST Digital Library of Mathematical Functions (DLMF), https://dlmf.nist.gov, ch
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from lie_rigid_body.arithmetic.double_double import DoubleDouble
 from lie_rigid_body.arithmetic.elementary import exponential
-from lie_rigid_body.arithmetic.numbers import Number, sign
+from lie_rigid_body.arithmetic.numbers import Number, guarded, sign
 
 Cubic: TypeAlias = tuple[float, float, float, float]
 """Coefficients of a polynomial of degree 3, the constant first."""
@@ -105,31 +105,31 @@ class RealTheta(NamedTuple):
             The nome q, its powers q^(a/K′) = e^(−2α) and q^(1 − a/K′) = q e^(2α), and 1 − e^(−2α).
         """
         p1, p2, p3, p4 = theta_cubics(q)
-        unity = value(p4, 2.0 * q)
+        unity = value(p4, 2 * q)
         # 2e^(−α) qⁿ cosh (2n+1)α = (q e^(2α))ⁿ (1 + e^(−2(2n+1)α)), and with − for sinh
         third = power**3
         square = copower**2
         cosh = (
-            1.0 + power,
-            copower * (1.0 + third),
-            square * (1.0 + power**5),
-            square * copower * (1.0 + power**7),
+            1 + power,
+            copower * (1 + third),
+            square * (1 + power**5),
+            square * copower * (1 + power**7),
         )
         # 1 − xⁿ = (1 − x)(1 + x + … + xⁿ⁻¹), as x = e^(−2α) may be near 1
-        three_terms = 1.0 + power + power**2
+        three_terms = 1 + power + power**2
         sinh = (
             complement,
             copower * complement * three_terms,
-            square * complement * (three_terms + third * (1.0 + power)),
-            square * copower * (1.0 - power**7),
+            square * complement * (three_terms + third * (1 + power)),
+            square * copower * (1 - power**7),
         )
         return cls(
             ThetaQuotients(
                 nome=q,
                 # DLMF 22.2.4-22.2.6; the constant factors follow from sn K = cn 0 = dn 0 = 1
-                sn=_times(p1, value(p4, -2.0 * q) / value(p1, -2.0 * q)),
-                cn=_times(p2, unity / value(p2, 2.0 * q)),
-                dn=_times(p3, unity / value(p3, 2.0 * q)),
+                sn=_times(p1, value(p4, -2 * q) / value(p1, -2 * q)),
+                cn=_times(p2, unity / value(p2, 2 * q)),
+                dn=_times(p3, unity / value(p3, 2 * q)),
                 denominator=p4,
                 sine=odd_sines(q, cosh),
                 cosine=odd_cosines(q, sinh),
@@ -147,9 +147,9 @@ class RealTheta(NamedTuple):
         """The elliptic functions at any ζ, from its sine and cosine."""
         theta = self.quotients
         # z = 2q cos 2ζ
-        z = 2.0 * theta.nome * ((c - s) * (c + s))
+        z = 2 * theta.nome * ((c - s) * (c + s))
         # 1/θ₄
-        inverse = 1.0 / value(theta.denominator, z)
+        inverse = 1 / value(theta.denominator, z)
         return EllipticValues(
             s * (value(theta.sn, z) * inverse),
             c * (value(theta.cn, z) * inverse),
@@ -190,22 +190,22 @@ class ImaginaryTheta(NamedTuple):
         """
         p1, p2, p3, p4 = theta_cubics(q)
         # P₂ at χ = 0, and z at χ = X
-        unity = value(p2, 2.0 * q)
-        last = 1.0 + q * q
+        unity = value(p2, 2 * q)
+        last = 1 + q * q
         # qⁿ cos (2n+1)β and qⁿ sin (2n+1)β, by twice the cosine of 2β
-        double = 2.0 * (cosine - sine) * (cosine + sine)
-        cosines = [cosine, cosine * (double - 1.0)]
-        sines = [sine, sine * (double + 1.0)]
+        double = 2 * (cosine - sine) * (cosine + sine)
+        cosines = [cosine, cosine * (double - 1)]
+        sines = [sine, sine * (double + 1)]
         for series in (cosines, sines):
             series.append(double * series[1] - series[0])
             series.append(double * series[2] - series[1])
-        nome, _ = exponential(2.0 * quarter)
+        nome, _ = exponential(2 * quarter)
         quotients = ThetaQuotients(
-            nome=float(nome),
+            nome=nome,
             # sn u = −i sc(iu|m₁), cn u = nc(iu|m₁), dn u = dc(iu|m₁); sn K = 1 where tanh X = (1 − q)/(1 + q)
-            sn=_times(p1, value(p2, last) / value(p1, last) * ((1.0 + q) / (1.0 - q))),
-            cn=_times(p4, unity / value(p4, 2.0 * q)),
-            dn=_times(p3, unity / value(p3, 2.0 * q)),
+            sn=_times(p1, value(p2, last) / value(p1, last) * ((1 + q) / (1 - q))),
+            cn=_times(p4, unity / value(p4, 2 * q)),
+            dn=_times(p3, unity / value(p3, 2 * q)),
             denominator=p2,
             sine=odd_sines(q, _times_powers(cosines, q)),
             cosine=odd_cosines(q, _times_powers(sines, q)),
@@ -230,14 +230,14 @@ class ImaginaryTheta(NamedTuple):
         decay = decay - rest
         fall = fall - rest
         square = decay * decay
-        inverse = 1.0 / (1.0 + square)
+        inverse = 1 / (1 + square)
         # sech χ = 2e^(−|χ|)/(1 + e^(−2|χ|)), tanh |χ| = (1 − e^(−2|χ|))/(1 + e^(−2|χ|))
-        sech = 2.0 * decay * inverse
-        tanh = -side * (fall * (2.0 + fall)) * inverse
+        sech = 2 * decay * inverse
+        tanh = -side * (fall * (2 + fall)) * inverse
         # z = 2q cosh 2χ; where e^(−2χ) underflows q does so too
-        z = theta.nome * (1.0 + square * square) / (square + _NEGLIGIBLE)
+        z = theta.nome * (1 + square * square) / guarded(square, _NEGLIGIBLE)
         # 1/θ₂, whose factor cosh χ is in sech and tanh
-        unit = 1.0 / value(theta.denominator, z)
+        unit = 1 / value(theta.denominator, z)
         return EllipticValues(
             tanh * (value(theta.sn, z) * unit),
             sech * (value(theta.cn, z) * unit),
@@ -252,8 +252,8 @@ def value(p: Cubic, z: Number) -> Number:
     return ((p[3] * z + p[2]) * z + p[1]) * z + p[0]
 
 
-def _times(p: Cubic, factor: Number) -> Cubic:
-    a, b, c, d = (float(coefficient * factor) for coefficient in p)
+def _times(p: Cubic, factor: Any) -> Cubic:
+    a, b, c, d = (coefficient * factor for coefficient in p)
     return a, b, c, d
 
 
@@ -280,7 +280,7 @@ def _odd(q: float, signed: float, weights: Cubic) -> Cubic:
     cube = signed * q2
     return (
         w0 - signed * w1 - q2**2 * w2 + cube * q2**3 * w3,
-        cube * w2 - w1 + 2.0 * q2**4 * w3,
+        cube * w2 - w1 + 2 * q2**4 * w3,
         q2 * w2 - cube * q2**2 * w3,
         -(q2**3) * w3,
     )
@@ -290,14 +290,14 @@ def even_cosines(q: float, sign: float) -> Cubic:
     """1 + 2 Σ signⁿ qⁿ² cos 2nζ as a polynomial in z."""
     # 2 cos 2nζ is x, x² − 2, x³ − 3x with x = z/q
     q2 = q * q
-    return 1.0 - 2.0 * q2**2, sign * (1.0 - 3.0 * q2**4), q2, sign * q2**3
+    return 1 - 2 * q2**2, sign * (1 - 3 * q2**4), q2, sign * q2**3
 
 
 def theta_cubics(q: float) -> tuple[Cubic, Cubic, Cubic, Cubic]:
     """P₁, P₂, P₃ and P₄ of the module's docstring."""
     return (
-        odd_sines(q, (1.0, q, q * q, q * q * q)),
-        odd_cosines(q, (1.0, -q, q * q, -q * q * q)),
-        even_cosines(q, 1.0),
-        even_cosines(q, -1.0),
+        odd_sines(q, (1, q, q * q, q * q * q)),
+        odd_cosines(q, (1, -q, q * q, -q * q * q)),
+        even_cosines(q, 1),
+        even_cosines(q, -1),
     )
