@@ -77,11 +77,15 @@ def _verdict(certificate: Certificate) -> Iterator[str]:
         return
     told = _accuracy(certificate)
     worst = told["attitude_worst"]
-    yield (
-        f"CERTIFIED: attitude within {told['attitude_rad']:.2g} rad of the exact motion "
-        f"(limit {told['attitude_limit_rad']:.2g}), kinetic energy to {told['kinetic_energy_relative']:.2g}, "
-        f"world momentum to {told['world_momentum_relative']:.2g} (relative)."
-    )
+    certified = f"CERTIFIED: attitude within {told['attitude_rad']:.2g} rad of the"
+    limit = f"(limit {told['attitude_limit_rad']:.2g})"
+    if certificate.is_prescribed:
+        yield f"{certified} prescribed path {limit}. No law of mechanics was judged."
+    else:
+        yield (
+            f"{certified} exact motion {limit}, kinetic energy to {told['kinetic_energy_relative']:.2g}, "
+            f"world momentum to {told['world_momentum_relative']:.2g} (relative)."
+        )
     if worst["sample"] is not None and certificate.accuracy("attitude") != 0.0:
         where = f" of segment {worst['segment']}" if len(certificate.segments) > 1 else ""
         yield f"Attitude is worst at sample {worst['sample']}{where}, {worst['time_s']:.7g} s after the start."
@@ -131,11 +135,16 @@ def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:
     """Sentence about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
     steps = f"moving_chart {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
+    motion = (
+        f"inertia [{numerals(scenario.inertia)}] kg m², initial body rate "
+        f"[{numerals(scenario.initial_body_rate)}] rad/s, "
+        f"{steps if scenario.motion == 'moving_chart' else scenario.motion}"
+    )
+    if path := scenario.path():
+        motion = f"a path through {counted(len(path), 'knot')}"
     return (
         f"Segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
-        f"from {certificate.segment.start_ns} ns, inertia [{numerals(scenario.inertia)}] kg m², initial body rate "
-        f"[{numerals(scenario.initial_body_rate)}] rad/s, "
-        f"{steps if scenario.motion == 'moving_chart' else scenario.motion}."
+        f"from {certificate.segment.start_ns} ns, {motion}."
     )
 
 
@@ -225,8 +234,8 @@ def _accuracy(certificate: Certificate) -> dict[str, Any]:
         "attitude_rad": certificate.attitude_accuracy,
         "attitude_limit_rad": max(each.law("attitude").limit for each in certificate.segments),
         "body_rate_relative": certificate.accuracy("body rate"),
-        "kinetic_energy_relative": certificate.accuracy("kinetic energy"),
-        "world_momentum_relative": certificate.accuracy("world momentum"),
+        "kinetic_energy_relative": None if certificate.is_prescribed else certificate.accuracy("kinetic energy"),
+        "world_momentum_relative": None if certificate.is_prescribed else certificate.accuracy("world momentum"),
         "attitude_worst": {
             "segment": number,
             "sample": law.sample,

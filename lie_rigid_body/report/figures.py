@@ -98,7 +98,7 @@ def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
         seen = "ω in the world, seen along the angular momentum (cross)."
         yield grid([_polhode(first, whose), figure(f"Herpolhode{whose}", across, seen, kind="tall")], wide=True)
     else:
-        yield paragraph("The body is at rest: no polhode, no herpolhode.")
+        yield paragraph("There is no polhode and no herpolhode of a body at rest or on a path.")
 
 
 def _polhode(piece: RecordedSegment, whose: str) -> str:
@@ -131,13 +131,13 @@ def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> 
 
 
 def herpolhode(piece: RecordedSegment) -> Figure | None:
-    """Path of ω in the world, seen along the angular momentum, on the invariable plane; none of a body at rest."""
+    """Path of ω in the world, seen along the angular momentum, on the invariable plane; none at rest or on a path."""
     scenario = piece.segment.scenario
     states = path(piece, _POINTS)
     momentum = scenario.body().angular_momentum(scenario.start())
     size = float(np.linalg.norm(momentum))
     fastest = scenario.rate_bound()
-    if size == 0.0 or not len(states.body_rate):
+    if size == 0.0 or not len(states.body_rate) or scenario.path():
         return None
     upright = momentum / size
     rates = quaternion.rotate(states.attitude_xyzw, states.body_rate)
@@ -166,11 +166,12 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     scenario = piece.segment.scenario
     momentum = scenario.body().angular_momentum(scenario.start())
     momentum = momentum / (float(np.linalg.norm(momentum)) or 1.0)
+    is_free = scenario.path() is None
     followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
     moving = _moving(piece, states, followed)
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
-        _arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM),
+        *([_arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM)] * is_free),
         line(
             moving[2][:, 3 * followed + 1],
             f"path of the {'xyz'[followed]} axis",

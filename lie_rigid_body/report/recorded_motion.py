@@ -196,11 +196,11 @@ class Ellipsoid:
 
     @classmethod
     def of(cls, piece: RecordedSegment, most: int) -> Ellipsoid | None:
-        """Ellipsoid and polhode of the first part of a segment, of so many points at most; none of a body at rest."""
+        """Ellipsoid and polhode of the first part of a segment, of at most so many points; none at rest or on paths."""
         body = piece.segment.scenario.body()
         energy = float(body.kinetic_energy(piece.segment.scenario.start()))
         rates = path(piece, most).body_rate
-        if energy == 0.0 or not len(rates):
+        if energy == 0.0 or not len(rates) or piece.segment.scenario.path():
             return None
         return cls(np.sqrt(2.0 * energy / body.principal_moments), rates @ body.principal_axes)
 

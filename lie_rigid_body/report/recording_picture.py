@@ -100,7 +100,9 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
 
 
 def _drifts(piece: RecordedSegment) -> Array:
-    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4)."""
+    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4); NaN along a path."""
+    if piece.segment.scenario.path():
+        return np.full((len(piece.samples), 4), np.nan)
     body = piece.segment.scenario.body()
     start = piece.segment.scenario.start()
     H = float(body.kinetic_energy(start))
@@ -129,7 +131,7 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
     axes: Axes3D = figure.add_subplot(projection="3d")
     ellipsoid = Ellipsoid.of(piece, MANY_SAMPLES)
     if ellipsoid is None:
-        axes.text2D(0.5, 0.5, "at rest: no polhode", transform=axes.transAxes, ha="center")
+        axes.text2D(0.5, 0.5, "no polhode at rest or along a path", transform=axes.transAxes, ha="center")
         axes.set_axis_off()
         return
     axes.view_init(*VIEW)
@@ -171,8 +173,11 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
     marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
-    return (
+    told = (
         f"torque-free body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
-        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s\n"
-        f"{motion}; {counted(sum(len(piece.samples) for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
+        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s"
     )
+    samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
+    if path := scenario.path():
+        told = f"body on a path, {whose}through {len(path)} knots"
+    return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}"

@@ -16,14 +16,19 @@ from rclpy.parameter_service import ParameterService
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.parameters import Parameter, Value
 from lie_rigid_body.foundation.wording import suggestion
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
 
+_PATH: Final = "the path is read at the start: start the node anew with it"
 _NEW_NODE: Final = "start the node anew with it"
 FIXED: Final[Mapping[str, str]] = {
     "stamped_twist": f"a topic keeps its type: {_NEW_NODE}",
     "epoch_ns": f"stamps go on rising: {_NEW_NODE}",
+    "path_file": _PATH,
+    "path_interval": _PATH,
+    "path_knots": _PATH,
     "record_path": f"the bag is begun with the first sample: {_NEW_NODE}",
     "publish_clock": f"publishers are made at the start: {_NEW_NODE}",
     "paused": "it is how the node starts: call ~/pause or ~/resume",
@@ -76,7 +81,7 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
-        scenario = Scenario.from_parameters(self.values())
+        scenario = Scenario.from_parameters(with_path(self.values()))
         if scenario.sensors.on:
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario

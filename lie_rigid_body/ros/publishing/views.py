@@ -92,7 +92,7 @@ class Markers(Sink):
         self._frame = scenario.world_frame
         self._body = body
         self._rate_scale = _scale(start.body_rate)
-        self._momentum_scale = _scale(body.body_momentum(start))
+        self._momentum_scale = 0.0 if scenario.path() else _scale(body.body_momentum(start))
         self._trail.clear()
 
     def write(self, batch: Batch) -> None:
