@@ -58,7 +58,7 @@ def cramer_rao_bound_of(segments: Sequence[Segment], last_ns: int, most: int = M
     """The bound for estimators that read every sensor of a run, and know all of its errors but noise and biases.
 
     They do not know the dynamics; those that do have the bound in ``dynamic``, where no kicks interrupt the motion. The
-    acceleration of a carried body counts as known along its own axes, so that it tells nothing of the heading: the
+    acceleration of a carried body counts as known along its own axes, so that it tells nothing of the heading. The
     bound is that of the same run without it.
 
     Parameters
