@@ -55,6 +55,18 @@ case $kind in
         exit 2 ;;
 esac
 
+base="$root $python"
+wanted="$base $(cat setup.py setup.cfg pyproject.toml scripts/environment.sh $constraints | cksum) $extras"
+leave_if_made() {
+    made=
+    if [ -f $folder/complete ] && $folder/bin/python -I -c '' 2>/dev/null; then
+        made=$(cat $folder/complete)
+        # With more extras than are wanted it will do: the node's come first.
+        case $made in "$wanted"*) echo "$root/$folder"; exit 0 ;; esac
+    fi
+}
+leave_if_made
+
 # Two at a time would build the same metadata folder.
 mkdir -p .cache
 if command -v flock >/dev/null; then
@@ -65,14 +77,7 @@ if command -v flock >/dev/null; then
     }
 fi
 
-base="$root $python"
-wanted="$base $(cat setup.py setup.cfg pyproject.toml scripts/environment.sh $constraints | cksum) $extras"
-made=
-if [ -f $folder/complete ] && $folder/bin/python -I -c '' 2>/dev/null; then
-    made=$(cat $folder/complete)
-    # With more extras than are wanted it will do: the node's come first.
-    case $made in "$wanted"*) echo "$root/$folder"; exit 0 ;; esac
-fi
+leave_if_made
 
 echo "Setting up $folder with $python (once; it takes about a minute, as pip tells below)" >&2
 # Not made to its end, elsewhere, or with another Python: its programs name the wrong interpreter.
