@@ -262,10 +262,10 @@ class Scenario:
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
         with np.errstate(over="ignore"):
-            return float(_rate_bounds(self.body(), self._arc_starts()).max())
+            return float(_rate_bounds(self.body(), self.arc_starts()).max())
 
-    def _arc_starts(self) -> State:
-        """The start, and the rates after K kicks, at the attitude of the start, which bounds nothing."""
+    def arc_starts(self) -> State:
+        """States of K + 1 instants: the start, and the rates after K kicks, all at the attitude of the start."""
         rates = np.concatenate([[self.initial_body_rate], self.kick_schedule().body_rate])
         return State.trusted(np.tile(self.start().attitude_xyzw, (len(rates), 1)), rates)
 
@@ -316,7 +316,7 @@ class Scenario:
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body = self.body()
             self._valid_start()
-            _require_normal(body, self._arc_starts())
+            _require_normal(body, self.arc_starts())
         fastest = self.rate_bound()
         if self.motion == "moving_chart":
             self._require_possible_steps(fastest)
