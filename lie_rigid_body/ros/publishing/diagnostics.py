@@ -14,6 +14,7 @@ from std_msgs.msg import Header
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
 from lie_rigid_body.simulation import Segment
 
 DIAGNOSTICS_TOPIC: Final = "/diagnostics"
@@ -89,19 +90,13 @@ class Diagnostics(Sink):
         They are relative to the largest right after any of them in the segment.
         """
         scenario = self._segment.scenario
-        body = scenario.body()
         stamp_ns, state = self._latest
-        kicks = scenario.kick_schedule()
-        begin_ns = kicks.begins_ns(kicks.arcs(np.array([stamp_ns - self._segment.start_ns])))
-        begin = scenario.exact_motion().at(begin_ns)[0]
-        starts = scenario.arc_starts()
-        largest = float(body.kinetic_energy(starts).max())
-        size = float(np.linalg.norm(body.body_momentum(starts), axis=1).max())
-        if not (largest and size):
+        largest = largest_of_arcs(scenario)
+        if not all(largest):
             return 0.0, 0.0
-        energy = abs(float(body.kinetic_energy(state) - body.kinetic_energy(begin)))
-        momentum = np.linalg.norm(body.angular_momentum(state) - body.angular_momentum(begin))
-        return energy / largest, float(momentum) / size
+        changes = arc_changes(scenario, np.array([stamp_ns - self._segment.start_ns]), state)
+        energy, momentum = (float(np.linalg.norm(change)) for change, _ in changes)
+        return energy / largest[0], momentum / largest[1]
 
 
 def _judgement(failure: str, missed: int, drift: float) -> tuple[bytes, str]:
