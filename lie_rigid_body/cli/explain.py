@@ -135,7 +135,6 @@ def main(given: argparse.Namespace) -> int:
     name = given.scenario = given.scenario or given.name
     scenario = scenario_of(given)
     description = describe(scenario.body(), scenario.start())
-    beyond = beyond_rotation(scenario)
     title = (
         f"{name}: {describe_file(scenario_files()[name])}"
         if name and not (given.params_file or given.assignments)  # which make another of it
@@ -143,21 +142,23 @@ def main(given: argparse.Namespace) -> int:
     )
     return emit(
         {},
-        lambda: as_text(_parts(scenario, description, beyond), title),
+        lambda: as_text(_parts(scenario, description), title),
         lambda: {
             "parameters": scenario.parameters(),
             **asdict(description),
             "conserved": _conserved(description),
-            **beyond,
+            **beyond_rotation(scenario),
         },
         as_json=given.json,
     )
 
 
-def _parts(scenario: Scenario, description: Description, beyond: dict[str, Any]) -> list[Part]:
+def _parts(scenario: Scenario, description: Description) -> list[Part]:
     """Answer about a scenario and its motion."""
     from lie_rigid_body.report.answer import Sentences, Table
+    from lie_rigid_body.scenario.facts import beyond_rotation
 
+    beyond = beyond_rotation(scenario)
     spins = "1 rad/s" if description.regime == "rest" else "this angular momentum"
     inertia = _vector(scenario.inertia)
     rate = _vector(scenario.initial_body_rate)
@@ -170,7 +171,7 @@ def _parts(scenario: Scenario, description: Description, beyond: dict[str, Any])
         Sentences([_regime(description)]),
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
         Sentences([*_conservation(description)], f"Conserved{until}"),
-        Table((), [*_fact_rows(scenario, beyond["sway"])], "Kicks, mass centre and accelerometer"),
+        Table((), [*_fact_rows(scenario, beyond["sway"])], "Kicks and mass centre"),
         *_arc_table(beyond),
     ]
     if scenario.has_sensors:
@@ -288,7 +289,7 @@ def _arc_table(beyond: dict[str, Any]) -> Iterator[Part]:
             str(number),
             f"{arc['begin_s']:.6g}",
             "at rest" if arc["regime"] == "rest" else _vector(arc["body_rate"]),
-            _ARCS[arc["regime"]] + (f", once in {arc['period_s']:.6g} s" if arc["period_s"] else ""),
+            _ARCS[arc["regime"]],
         )
         for number, arc in enumerate(beyond["arcs"])
     ]
@@ -298,17 +299,15 @@ def _arc_table(beyond: dict[str, Any]) -> Iterator[Part]:
 
 
 def _fact_rows(scenario: Scenario, sway: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
-    """What there is beside a free rotation, and sizes of the sway."""
+    """Kicks and translation, and sizes of the sway."""
     from lie_rigid_body.scenario.facts import facts
 
     for fact, phrase in facts(scenario).items():
         yield fact, phrase
         if fact == "mass centre" and sway is not None:
             for name, key, unit in (("speed", "speed_m_s", "m/s"), ("displacement", "displacement_m", "m")):
-                yield (
-                    f"  {name}",
-                    f"{_vector(sway[f'{key}_rms'])} {unit} RMS, at most {sway[f'{key}_at_most']:.6g} {unit}",
-                )
+                most = sway[f"{key}_at_most"]
+                yield f"  {name}", f"{_vector(sway[f'{key}_rms'])} {unit} RMS, at most {most:.6g} {unit}"
 
 
 def _sensor_rows(scenario: Scenario) -> list[tuple[str, str]]:

@@ -255,7 +255,7 @@ def _arc(certificate: SegmentCertificate, law: LawResult) -> dict[str, Any]:
     kicks = certificate.segment.scenario.kick_schedule()
     if not len(kicks) or law.stamp_ns is None:
         return {}
-    arc = int(kicks.arcs(np.array([law.stamp_ns - certificate.segment.start_ns]))[0])
+    arc = kicks.arc(law.stamp_ns - certificate.segment.start_ns)
     return {"arc": arc, "arc_begin_s": kicks.begin_ns(arc) / NS}
 
 

@@ -176,8 +176,9 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     if not len(t):
         return None
     scenario = piece.segment.scenario
-    momentum = scenario.body().angular_momentum(first_arc(piece)[1])
-    followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
+    _, begin = first_arc(piece)
+    momentum = scenario.body().angular_momentum(begin)
+    followed = int(np.argmax(np.abs(begin.body_rate)))
     moving = _moving(piece, states, followed)
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),

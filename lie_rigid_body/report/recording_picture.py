@@ -102,10 +102,8 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
     _draw_curve(energy, t, drifts[:, 0], GREY, None, 0.6)
     for name, colour, drift in zip("xyz", COLOURS, drifts[:, 1:].T, strict=True):
         _draw_curve(momentum, t, drift, colour, rf"$L_{name}$", 0.6, alpha=0.6)
-    is_kicked = any(piece.segment.scenario.kicks for piece in pieces)
-    by = "_{max}" if is_kicked else "_0"
-    energy.set_ylabel(f"energy drift\n$(H - H_0)/H{by}$")
-    momentum.set_ylabel(f"world momentum drift\n$(L - L_0)/|L{by}|$")
+    energy.set_ylabel("energy drift\n$(H - H_0)/H_{max}$")
+    momentum.set_ylabel("world momentum drift\n$(L - L_0)/|L|_{max}$")
     momentum.set_xlabel("time since the first sample [s]")
 
 
@@ -184,5 +182,5 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
         f"{'kicked' if scenario.kicks else 'torque-free'} body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
         f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s\n"
         f"{motion}; {counted(sum(len(piece.samples) for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
-        + "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items() if name in ("kicks", "mass centre"))
+        + "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
     )

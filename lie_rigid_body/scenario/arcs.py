@@ -1,4 +1,4 @@
-"""What is conserved along each free motion between two kicks of a scenario, held against the exact motion."""
+"""Energy and momentum along each free motion between two kicks of a scenario, beside those of the exact motion."""
 
 from __future__ import annotations
 

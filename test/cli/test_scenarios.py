@@ -68,7 +68,6 @@ def test_arcs_kicks_and_sway_are_told(capsys: pytest.CaptureFixture[str]) -> Non
     assert [(arc["begin_s"], arc["regime"]) for arc in once["arcs"]] == [
         *((0.0, "about_largest"), (1.5, "rest"), (2.0, "steady"), (4.0, "about_largest"))
     ]
-    assert once["arcs"][0]["period_s"] == plain["circulation"]["period_s"]
     assert once["kicks"] == {"count": 3, "rests": 1, "period_s": None}
     again = facts(capsys, [*KICKS, "-p", "kick_period:=5.0"])
     assert [arc["begin_s"] for arc in again["arcs"]] == [0.0, 1.5, 2.0, 4.0, 6.5, 7.0, 9.0, 11.5, 12.0, 14.0]

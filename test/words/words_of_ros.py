@@ -197,7 +197,7 @@ SAID = [
     lambda: announced(inertia=[1, 2, 2.5], rate=250, stamped_twist=False, world_frame="map"),
     lambda: announced("/tmp/a.mcap", motion="closed_form", imu_rate=10.0, gyro_temperature_drift=1e-6),
     lambda: announced(kicks=[1.0, 0.0, 0.0, 0.0], kick_period=3.0, translation="carried", sway_acceleration=[1, 2, 3]),
-    lambda: announced(initial_position=[1, 2, 3], imu_rate=10.0, vibration_acceleration=[0, 0, 1.5]),
+    lambda: announced(translation="carried", imu_rate=10.0, accelerometer_mode="free_fall"),
     lambda: farewell("/top", Punctuality()),
     lambda: farewell("/top", Punctuality(2, 1, 0, 3 * 10**6)),
     lambda: constraints("real_time_factor"),

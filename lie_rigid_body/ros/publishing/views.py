@@ -120,14 +120,15 @@ class Markers(Sink):
             return FOREVER
         if steady_ns >= self._due_ns:
             stamp_ns, state = self._latest
-            elapsed_ns = np.array([stamp_ns - self._segment.start_ns])
-            [arc] = self._segment.scenario.kick_schedule().arcs(elapsed_ns).tolist()
+            scenario = self._segment.scenario
+            elapsed_ns = stamp_ns - self._segment.start_ns
+            arc = scenario.kick_schedule().arc(elapsed_ns)
             if arc != self._arc:  # a kick begins another polhode
                 self._trail.clear()
                 self._arc = arc
             self._trail.append((state.body_rate * self._rate_scale).tolist())
             if self._publisher.get_subscription_count():
-                [position] = self._segment.scenario.mass_centre().at(elapsed_ns).position
+                [position] = scenario.mass_centre().at(np.array([elapsed_ns])).position
                 self._publisher.publish(self._picture(stamp_ns, state, position))
             self._due_ns = steady_ns + self._interval_ns
         return self._due_ns - steady_ns
