@@ -146,8 +146,13 @@ def scenario_of(arguments: argparse.Namespace) -> Scenario:
     from lie_rigid_body.scenario.parameter_file import file_that_gives, merge, sources
 
     given = sources(arguments.scenario, arguments.params_file, arguments.assignments)
+    parameters = merge(given)
     try:
-        return Scenario.from_parameters(merge(given))
+        if parameters.get("motion") == "path":
+            from lie_rigid_body.recording.poses import with_path  # only now: it needs what reads bags
+
+            parameters = with_path(parameters)
+        return Scenario.from_parameters(parameters)
     except ParameterError as error:
         path = file_that_gives(error.name, given)
         raise error if path is None else InputError(f"{path}: {error}") from None

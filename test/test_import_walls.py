@@ -39,7 +39,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "campaign": BAG | {"certificate", "estimates", "evaluation", "runs"},
     "league": SCENARIO | {"estimates", "evaluation", "runs", "diagnosis"},
     "testing": SCENARIO | {"estimates", "evaluation", "runs", "report"},
-    "command_line": {"scenario"},
+    "command_line": {"scenario", "recording"},
     "report": EDGE - {"report"} | {"diagnosis", "campaign", "league"},
     "cli": EDGE | {"campaign", "diagnosis", "league"},
     "ros": EDGE,

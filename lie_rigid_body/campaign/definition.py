@@ -21,9 +21,10 @@ from lie_rigid_body.estimates.estimators import Estimator, NamedFunction
 from lie_rigid_body.estimates.programs import CommandEstimator, words
 from lie_rigid_body.foundation.arrays import plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import Parameter, Value, exact_duration
+from lie_rigid_body.foundation.parameters import NS, Parameter, Value, exact_duration
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import printable, shown, suggestion
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
@@ -237,7 +238,9 @@ class Campaign:
             If there is no run of that number, or naming the run, where its parameters make no scenario.
         """
         try:
-            return Scenario.from_parameters({**self._base, **self.drawn(run)})
+            scenario = Scenario.from_parameters(with_path({**self._base, **self.drawn(run)}))
+            scenario.require_until(math.ceil(self.exact_duration * NS) - 1)
+            return scenario
         except ParameterError as error:
             raise InputError(f"run {run}: {error}") from None
 

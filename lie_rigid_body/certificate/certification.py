@@ -131,8 +131,13 @@ class Certificate(Shown):
         return self.accuracy("attitude") + CLOSED_FORM_ERROR
 
     def accuracy(self, name: str) -> float:
-        """The worst residual of a law over all segments."""
-        return max((s.law(name).worst for s in self.segments), default=0.0)
+        """The worst residual of a law over all segments that it is held against; 0 if there is none."""
+        return max((law.worst for segment in self.segments for law in segment.laws if law.name == name), default=0.0)
+
+    @property
+    def is_prescribed(self) -> bool:
+        """Whether all segments follow paths, so that no law of mechanics was judged."""
+        return bool(self.segments) and all(each.segment.scenario.motion == "path" for each in self.segments)
 
     @property
     def farthest(self) -> tuple[int, SegmentCertificate]:

@@ -11,6 +11,7 @@ import numpy as np
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.limits import (
     MAX_NORM_ERROR,
+    PATH_ERROR,
     RATE_FACTOR,
     TRANSLATION_ERROR,
     closed_form_error,
@@ -40,7 +41,9 @@ _LAWS: Final = (
 )
 """Name of each law, unit of its residuals, and the message where it is broken. The last two are reported, not judged:
 they follow from the first two. Both are those of the arc between two kicks, and relative to the largest of all arcs so
-far."""
+far. A path has neither."""
+_OF_MECHANICS: Final = 2
+"""Number of laws, the last ones, that a path need not keep."""
 
 
 _Judged: TypeAlias = tuple[Array, "Array | float"]
@@ -81,7 +84,9 @@ class SegmentLaws:
         self._limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
         self._mass_centre = scenario.mass_centre()
         self._largest = dict[str, float]()
-        self._tallies = [LawTally(*law, watch=watch) for law in _LAWS]
+        self._slack = PATH_ERROR if scenario.path() else 0.0
+        laws = _LAWS[:-_OF_MECHANICS] if scenario.path() else _LAWS
+        self._tallies = [LawTally(*law, watch=watch) for law in laws]
         self._is_exact = True
 
     def add(self, block: Block) -> None:
@@ -93,7 +98,7 @@ class SegmentLaws:
             judged = (
                 *self._attitude_and_rate(part.states, exact, elapsed_ns),
                 *self._position_and_velocity(part, exact, elapsed_ns),
-                *self._energy_and_momentum(part.states, elapsed_ns),
+                *(self._energy_and_momentum(part.states, elapsed_ns) if not self._slack else ()),
             )
             for tally, (residuals, limits) in zip(self._tallies, judged, strict=True):
                 tally.add(residuals, limits, part.samples, part.stamps_ns)
@@ -106,6 +111,7 @@ class SegmentLaws:
         x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.T)
         angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
+        angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
         yield angle + closed_form_error(speeds, elapsed_ns), self._limit
         yield _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds), RATE_FACTOR * self._limit
         yield np.abs(norm - 1.0), MAX_NORM_ERROR
@@ -117,9 +123,9 @@ class SegmentLaws:
         self._is_exact &= same_bits(recorded.position, centre.position)
         self._is_exact &= same_bits(recorded.body_velocity, velocity)
         distance = self._largest_so_far("position", vectors.norm(centre.position))
-        yield vectors.norm(recorded.position - centre.position), TRANSLATION_ERROR * distance
+        yield vectors.norm(recorded.position - centre.position), TRANSLATION_ERROR * distance + self._slack
         speed = self._largest_so_far("velocity", vectors.norm(velocity))
-        yield vectors.norm(recorded.body_velocity - velocity), (TRANSLATION_ERROR + self._limit) * speed
+        yield vectors.norm(recorded.body_velocity - velocity), (TRANSLATION_ERROR + self._limit) * speed + self._slack
 
     def _energy_and_momentum(self, recorded: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Changes since the begin of each sample's arc."""

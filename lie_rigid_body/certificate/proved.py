@@ -112,6 +112,8 @@ def prove(
     ProvedSample
         In the order of the recording.
     """
+    if any(found.segment.scenario.motion == "path" for found in certificate.segments):
+        raise InputError("the motion is prescribed by a path, of which there is nothing to prove: leave --prove out")
     if not certificate.segments:
         return
     segments = [found.segment for found in certificate.segments]

@@ -11,6 +11,7 @@ import numpy as np
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law
 from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
@@ -282,5 +283,7 @@ def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
     """Replace the inertia of a segment's body, kg m², if another one is given."""
     if inertia is None:
         return segment
+    if segment.scenario.motion == "path":
+        raise InputError("the motion is prescribed by a path, to which no inertia belongs: leave the inertia out")
     parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
     return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))

@@ -86,11 +86,12 @@ def not_certified(
         That which was used in place of the declared one, kg m².
     """
     has_sensors = any(segment.scenario.has_sensors for segment in surveyed.declared)
+    motions = {segment.scenario.motion for segment in surveyed.declared}
     return (
         f"who wrote it (it says {bag.library!r:.50})",
         f"the names of topics ({bag.pose_topic}, {bag.twist_topic})",
         "with which stepper (motion, method and max_step set the limits)",
-        "the scale of the inertia, which no torque-free motion shows",
+        *(["the scale of the inertia, which no torque-free motion shows"] if motions != {"path"} else []),
         *_ends(bag, surveyed),
         *(["parameters of the sensors that no reading shows"] if has_sensors else []),
         *uncovered(bag, surveyed, sensors, inertia),
@@ -109,9 +110,11 @@ def uncovered(
     """
     unused = len(surveyed.declared) - len({found.segment.start_ns for found in surveyed.segments})
     repeated = len(bag.scenario_texts) - len(surveyed.declared)
+    prescribed = any(segment.scenario.motion == "path" for segment in surveyed.declared)
     alone = sum(surveyed.counts.messages) - 2 * sum(found.count for found in surveyed.segments)
     return (
         *([f"the inertia that it declares: {', '.join(f'{v:g}' for v in inertia)} is used instead"] if inertia else []),
+        *(["laws of mechanics: the motion is prescribed by a path"] if prescribed else []),
         *([f"scenarios without a sample: {unused}"] if unused else []),
         *([f"scenario messages that repeat another one: {repeated}"] if repeated else []),
         *([f"poses and twists without the other of their stamp: {alone}"] if alone else []),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import Value, Vector
+from lie_rigid_body.foundation.parameters import NS, Value, Vector
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion import Description
@@ -104,6 +104,11 @@ _ARCS: Final = {
     "about_largest": "circles axis 3",
 }
 """Regimes of arcs, in words."""
+_PATH: Final = (
+    "The motion is a smooth spline through {knots} knots, which ends after {duration_s:.6g} s. The acceleration has an "
+    "RMS of {rms_acceleration_m_s2:.3g} m/s². It is prescribed: no law of mechanics conserves anything."
+)
+"""Sentences about a path."""
 _WHY: Final = {
     "time": "No torque does work on the body: the Lagrangian does not depend on time.",
     "space": "Space has no preferred direction: a motion turned as a whole, about any fixed axis, is again a motion. "
@@ -125,7 +130,7 @@ _WHY: Final = {
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     from lie_rigid_body.motion import describe
-    from lie_rigid_body.report.answer import as_text
+    from lie_rigid_body.report.answer import Sentences, as_text
     from lie_rigid_body.report.outputs import emit
     from lie_rigid_body.scenario.facts import beyond_rotation
     from lie_rigid_body.scenario.parameter_file import scenario_files
@@ -134,12 +139,20 @@ def main(given: argparse.Namespace) -> int:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
     name = given.scenario = given.scenario or given.name
     scenario = scenario_of(given)
-    description = describe(scenario.body(), scenario.start())
     title = (
         f"{name}: {describe_file(scenario_files()[name])}"
         if name and not (given.params_file or given.assignments)  # which make another of it
         else ""
     )
+    if path := scenario.path():
+        told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration()}
+        return emit(
+            {},
+            lambda: as_text([Sentences([_PATH.format(**told)]), *_sensor_parts(scenario)], title),
+            lambda: {"parameters": scenario.parameters(), "path": told},
+            as_json=given.json,
+        )
+    description = describe(scenario.body(), scenario.start())
     return emit(
         {},
         lambda: as_text(_parts(scenario, description), title),
@@ -174,9 +187,16 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Table((), [*_fact_rows(scenario, beyond["sway"])], "Kicks and mass centre"),
         *_arc_table(beyond),
     ]
-    if scenario.has_sensors:
-        parts.append(Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}"))
-    return parts
+    return [*parts, *_sensor_parts(scenario)]
+
+
+def _sensor_parts(scenario: Scenario) -> list[Part]:
+    """Table of the sensors, if there are some."""
+    from lie_rigid_body.report.answer import Table
+
+    if not scenario.has_sensors:
+        return []
+    return [Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}")]
 
 
 def _body_rows(description: Description) -> list[tuple[str, ...]]:

@@ -53,7 +53,7 @@ class PoseTwistEncoder:
 
     def __init__(self, scenario: Scenario) -> None:
         rest = [*scenario.initial_position, *[0.0] * (POSE_NUMBERS - 3)]
-        moved = [] if scenario.translation == "none" else [range(3)]
+        moved = [range(3)] if scenario.moves else []
         self._pose = Layout(header(scenario.world_frame), rest, [*moved, range(3, 7)])
         twist = ([0.0] * TWIST_NUMBERS, [*moved, range(3, 6)])
         stamped = scenario.stamped_twist

@@ -10,5 +10,6 @@
 - `recovery`, `recovered_folder`: what is whole of a file, or of a folder of them, that was cut off;
 - `topic_messages`: raw messages of a topic as arrays;
 - `topic_discovery`, `bag_reader`: the topics of each body of a bag, and each body as arrays;
+- `poses`: trajectories of others, and the path through them;
 - `segments`, `samples`: a bag as samples, segment by segment, and the readings of its sensors by their clocks.
 """

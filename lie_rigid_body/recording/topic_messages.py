@@ -61,6 +61,8 @@ after an orientation.
 """
 ATTITUDE_TYPES: Final = tuple(_LAYOUTS)
 """Message types that hold an attitude with a stamp."""
+POSE_TYPES: Final = tuple(kind for kind, (_, first, _) in _LAYOUTS.items() if first)
+"""Message types that hold a position as well."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
 """Complaint about a topic of Imu in which no message has an orientation."""
 Kind: TypeAlias = tuple[str | None, bytes]
@@ -234,6 +236,8 @@ class AttitudeTrack:
         As recorded: not normalised, perhaps not finite.
     covariance : ndarray, shape (N, 3, 3), or None
         As recorded, of small rotations about x, y, z, rad²; None for a type that has none.
+    position : ndarray, shape (N, 3), or None
+        As recorded, m; None for a type that has none, and of parts that were joined.
     frame, child_frame : str
         Names of the frames; the child's is empty for a type that has none.
     """
@@ -246,6 +250,7 @@ class AttitudeTrack:
     covariance: Array | None
     frame: str
     child_frame: str = ""
+    position: Array | None = None
 
     def __len__(self) -> int:
         return len(self.stamps_ns)
@@ -257,6 +262,7 @@ class AttitudeTrack:
             log_times_ns=self.log_times_ns[rows],
             attitude_xyzw=self.attitude_xyzw[rows],
             covariance=None if self.covariance is None else self.covariance[rows],
+            position=None if self.position is None else self.position[rows],
         )
 
     @classmethod
@@ -270,6 +276,7 @@ class AttitudeTrack:
             log_times_ns=np.concatenate([first.log_times_ns, *(part.log_times_ns for part in rest)]),
             attitude_xyzw=np.concatenate([first.attitude_xyzw, *(part.attitude_xyzw for part in rest)]),
             covariance=np.concatenate(covariances) if covariances else None,
+            position=None,
         )
 
 
@@ -383,9 +390,9 @@ def _track(
     if fields:
         size = math.isqrt(fields.stop - fields.start)
         covariance = numbers[:, fields].reshape(-1, size, size)[:, -3:, -3:]
-    return AttitudeTrack(
-        topic, message_type, stamps_ns, log_times_ns, numbers[:, first : first + 4], covariance, *frames
-    )
+    attitude = numbers[:, first : first + 4]
+    position = numbers[:, :first] if first else None
+    return AttitudeTrack(topic, message_type, stamps_ns, log_times_ns, attitude, covariance, *frames, position)
 
 
 def _find(path: Path, contents: McapContents, topic: str) -> RawTopic:

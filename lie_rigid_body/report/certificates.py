@@ -80,11 +80,15 @@ def _verdict(certificate: Certificate) -> Iterator[str]:
             yield from _worst(certificate, _accuracy(certificate)["attitude_worst"])
         return
     told = _accuracy(certificate)
-    yield (
-        f"CERTIFIED: attitude within {told['attitude_rad']:.2g} rad of the exact motion "
-        f"(limit {told['attitude_limit_rad']:.2g}), kinetic energy to {told['kinetic_energy_relative']:.2g}, "
-        f"world momentum to {told['world_momentum_relative']:.2g} (relative)."
-    )
+    certified = f"CERTIFIED: attitude within {told['attitude_rad']:.2g} rad of the"
+    limit = f"(limit {told['attitude_limit_rad']:.2g})"
+    if certificate.is_prescribed:
+        yield f"{certified} prescribed path {limit}. No law of mechanics was judged."
+    else:
+        yield (
+            f"{certified} exact motion {limit}, kinetic energy to {told['kinetic_energy_relative']:.2g}, "
+            f"world momentum to {told['world_momentum_relative']:.2g} (relative)."
+        )
     yield from _worst(certificate, told["attitude_worst"])
     if certificate.to_the_bit is not None:
         yield f"It is {'' if certificate.to_the_bit else 'not '}equal to the bit to what is computed here."
@@ -141,11 +145,16 @@ def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:
     """Sentence about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
     steps = f"moving_chart {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
-    return (
-        f"Segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
-        f"from {certificate.segment.start_ns} ns, inertia [{numerals(scenario.inertia)}] kg m², initial body rate "
+    motion = (
+        f"inertia [{numerals(scenario.inertia)}] kg m², initial body rate "
         f"[{numerals(scenario.initial_body_rate)}] rad/s, "
         f"{steps if scenario.motion == 'moving_chart' else scenario.motion}"
+    )
+    if path := scenario.path():
+        motion = f"a path through {counted(len(path), 'knot')}"
+    return (
+        f"Segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
+        f"from {certificate.segment.start_ns} ns, {motion}"
         + "".join(f"; {name}: {phrase}" for name, phrase in facts(scenario).items())
         + "."
     )
@@ -237,8 +246,8 @@ def _accuracy(certificate: Certificate) -> dict[str, Any]:
         "attitude_rad": certificate.attitude_accuracy,
         "attitude_limit_rad": max(each.law("attitude").limit for each in certificate.segments),
         "body_rate_relative": certificate.accuracy("body rate"),
-        "kinetic_energy_relative": certificate.accuracy("kinetic energy"),
-        "world_momentum_relative": certificate.accuracy("world momentum"),
+        "kinetic_energy_relative": None if certificate.is_prescribed else certificate.accuracy("kinetic energy"),
+        "world_momentum_relative": None if certificate.is_prescribed else certificate.accuracy("world momentum"),
         "attitude_worst": {
             "segment": number,
             "sample": law.sample,

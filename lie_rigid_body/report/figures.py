@@ -101,7 +101,7 @@ def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
         over_time(pieces, rates, "ω<sub>{}</sub>", "body rate [rad/s]"),
         "Angular velocity in the frame of the body.",
     )
-    if any(piece.segment.scenario.translation != "none" for piece in pieces):
+    if any(piece.segment.scenario.moves for piece in pieces):
         place = over_time(pieces, [piece.position for piece in pieces], "{}", "position [m]")
         yield figure("Position", place, "Mass centre in the world.")
     if first.segment.scenario.kicks:
@@ -110,7 +110,7 @@ def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
         seen = "ω in the world, seen along the angular momentum (cross)."
         yield grid([_polhode(first, whose), figure(f"Herpolhode{whose}", across, seen, kind="tall")], wide=True)
     else:
-        yield paragraph("The body is at rest: no polhode, no herpolhode.")
+        yield paragraph("There is no polhode and no herpolhode of a body at rest or on a path.")
 
 
 def _polhode(piece: RecordedSegment, whose: str) -> str:
@@ -142,14 +142,14 @@ def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> 
 
 
 def herpolhode(piece: RecordedSegment) -> Figure | None:
-    """Path of ω in the world, seen along the momentum of the first moving arc, on its plane; none of a body at rest."""
+    """Path of ω in the world, seen along the momentum of the first moving arc; none at rest or on a path."""
     scenario = piece.segment.scenario
     arc, begin = first_arc(piece)
     states = path(arc, _POINTS)
     momentum = scenario.body().angular_momentum(begin)
     size = float(np.linalg.norm(momentum))
     fastest = scenario.rate_bound()
-    if size == 0.0 or not len(states.body_rate):
+    if size == 0.0 or not len(states.body_rate) or scenario.path():
         return None
     upright = momentum / size
     rates = quaternion.rotate(states.attitude_xyzw, states.body_rate)
@@ -179,9 +179,9 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     _, begin = first_arc(piece)
     momentum = scenario.body().angular_momentum(begin)
     followed = int(np.argmax(np.abs(begin.body_rate)))
-    moving = _moving(piece, states, followed)
+    moving = _moving(piece, states, followed)[: -1 if scenario.path() else None]
     data = [
-        *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
+        *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=False)),
         line(
             moving[2][:, 3 * followed + 1],
             f"path of the {'xyz'[followed]} axis",
@@ -294,7 +294,7 @@ _LOOKS: Final = (
     ),
     _arrow(_NONE, "angular velocity ω", _RATE),
     line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
-    _arrow(_NONE, "angular momentum L, which kicks alone change", _MOMENTUM),
+    _arrow(_NONE, "angular momentum L, which kicks alone change", _MOMENTUM),  # not along a path
 )
 """Looks of what moves, in the order of `_moving`."""
 

@@ -210,12 +210,12 @@ class Ellipsoid:
 
     @classmethod
     def of(cls, piece: RecordedSegment, most: int) -> Ellipsoid | None:
-        """Ellipsoid and polhode of the first moving arc, of so many points at most; none of a body at rest."""
+        """Ellipsoid and polhode of the first moving arc, of so many points at most; none at rest or on a path."""
         body = piece.segment.scenario.body()
         arc, begin = first_arc(piece)
         energy = float(body.kinetic_energy(begin))
         rates = path(arc, most).body_rate
-        if energy == 0.0 or not len(rates):
+        if energy == 0.0 or not len(rates) or piece.segment.scenario.path():
             return None
         return cls(np.sqrt(2.0 * energy / body.principal_moments), rates @ body.principal_axes)
 

@@ -60,7 +60,7 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
     over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
-    moves = any(piece.segment.scenario.translation != "none" for piece in pieces)
+    moves = any(piece.segment.scenario.moves for piece in pieces)
     heights = (1.35, 1.0, 1.0, *([1.0] if moves else []))
     rate, *places, energy, momentum = curves = over_time.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     whose = "first segment: " if len(pieces) > 1 else ""
@@ -108,8 +108,10 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
 
 
 def _drifts(piece: RecordedSegment) -> Array:
-    """Changes of energy and world momentum since the begin of the arc, relative to the largest, shape (N, 4)."""
+    """Changes of energy and world momentum since the begin of the arc over the largest, shape (N, 4); NaN on a path."""
     scenario = piece.segment.scenario
+    if scenario.path():
+        return np.full((len(piece.samples), 4), np.nan)
     changes = arc_changes(scenario, piece.stamps_ns - piece.segment.start_ns, piece.states)
     return np.hstack(
         [change / (size or 1.0) for (change, _), size in zip(changes, largest_of_arcs(scenario), strict=True)]
@@ -136,7 +138,7 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
     axes: Axes3D = figure.add_subplot(projection="3d")
     ellipsoid = Ellipsoid.of(piece, MANY_SAMPLES)
     if ellipsoid is None:
-        axes.text2D(0.5, 0.5, "at rest: no polhode", transform=axes.transAxes, ha="center")
+        axes.text2D(0.5, 0.5, "no polhode at rest or along a path", transform=axes.transAxes, ha="center")
         axes.set_axis_off()
         return
     axes.view_init(*VIEW)
@@ -178,9 +180,12 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
     marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
-    return (
+    told = (
         f"{'kicked' if scenario.kicks else 'torque-free'} body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
-        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s\n"
-        f"{motion}; {counted(sum(len(piece.samples) for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
-        + "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
+        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s"
     )
+    samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
+    if path := scenario.path():
+        told = f"body on a path, {whose}through {len(path)} knots"
+    others = "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
+    return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}{others}"

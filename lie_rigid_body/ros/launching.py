@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
@@ -103,7 +104,7 @@ def scenario_of_node(words: list[str], name: str, namespace: str) -> Scenario:
     """
     given = parse(words)
     parameters = gather(given.scenario, given.params_file, given.assignments, name, f"/{namespace.strip('/')}")
-    return Scenario.from_parameters(parameters)
+    return Scenario.from_parameters(with_path(parameters))
 
 
 def shut_down_if_failed(event: Any, context: object) -> object | None:

@@ -58,7 +58,7 @@ def cramer_rao_bound_of(segments: Sequence[Segment], last_ns: int, most: int = M
     """The bound for estimators that read every sensor of a run, and know all of its errors but noise and biases.
 
     They do not know the dynamics; those that do have the bound in ``dynamic``, where no kicks interrupt the motion. The
-    acceleration of a carried body counts as known along its own axes, so that it tells nothing of the heading: the
+    acceleration of a carried body counts as known along its own axes, so that it tells nothing of the heading. The
     bound is that of the same run without it.
 
     Parameters
@@ -187,6 +187,7 @@ def _left_by_errors(scenario: Scenario) -> float:
     vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
     scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
     fastest = np.linalg.norm([scenario.initial_body_rate, *scenario.kick_schedule().body_rate], axis=1).max()
+    fastest = scenario.rate_bound() if scenario.path() else fastest
     rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * fastest
     return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
@@ -215,8 +216,8 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
     truth = scenario.exact_motion().at(t_ns[indices]).attitude_xyzw
     unknown = imu.gyro.linear_errors
     bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, gyro_linear_errors=unknown, **sensors)
-    bound = replace(bound, carried=scenario.sway() is not None)
-    if scenario.kicks:  # nobody knows them, and between them the dynamics tell little
+    bound = replace(bound, carried=scenario.sway() is not None or scenario.path() is not None)
+    if scenario.kicks or scenario.path():  # nobody knows them, and between kicks the dynamics tell little
         return bound
     dynamic = dynamic_bound(every[few], motion, start.attitude_xyzw, start.body_rate, gyro_readings=steps, **sensors)
     return replace(bound, dynamic=dynamic)

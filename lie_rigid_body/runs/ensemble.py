@@ -20,6 +20,7 @@ from lie_rigid_body.foundation.parameters import Value, exact_duration
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
@@ -43,6 +44,7 @@ WITHHELD: Final = (
     "initial_body_rate",
     *("kicks", "kick_period", "translation", "initial_position", "initial_velocity"),
     *("sway_acceleration", "sway_band", "sway_seed"),
+    *("motion", "path_file", "path_interval", "path_knots"),
     "sensor_seed",
 )
 """Parameters that would tell the truth, or the noise."""
@@ -123,7 +125,7 @@ def simulate(
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
     parameters = {**_start(start), **parameters}
-    given = {**_parameters(scenario), **parameters}
+    given = _merged(scenario, parameters)
     chosen = list[dict[str, object]]([{}])
     if seeds is not None:
         if "sensor_seed" in parameters:
@@ -138,6 +140,7 @@ def simulate(
     motions = partial(motions_of, clocks=defaultdict(LastCall))
     simulations = [Simulation(one, motions=motions) for one in (first, *scenarios)]
     end_ns = simulations[0].clock.last_ns_before(length)
+    first.require_until(end_ns - first.epoch_ns)
     runs = [Run.of(simulations.pop(0), end_ns) for _ in chosen]  # nothing of each is kept but its run
     return runs[0] if seeds is None else tuple(runs)
 
@@ -149,7 +152,15 @@ def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str,
     ------
     InputError
     """
-    return Scenario.from_parameters({**_parameters(scenario), **parameters})
+    return Scenario.from_parameters(_merged(scenario, parameters))
+
+
+def _merged(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
+    """Parameters over those of a scenario, whose knots another path takes the place of."""
+    own = _parameters(scenario)
+    if {"path_file", "path_interval"} & parameters.keys():
+        own.pop("path_knots", None)
+    return with_path({**own, **parameters})
 
 
 def _start(start: State | None) -> dict[str, object]:
@@ -226,6 +237,8 @@ class BlindScenario(Scenario):
         """Scenario as a filter may know it, with those of the withheld parameters that it is given."""
         withheld = {*WITHHELD}.difference(given)
         told = {name: value for name, value in scenario.parameters().items() if name not in withheld}
+        if scenario.motion == "path" and "initial_attitude_xyzw" in told:
+            told["initial_attitude_xyzw"] = tuple(scenario.start().attitude_xyzw.tolist())
         known = Scenario.from_parameters(told)
         blind = object.__new__(cls)
         vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in withheld})

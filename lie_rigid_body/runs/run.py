@@ -479,7 +479,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
                     "take their topic out of the bag that it is from"
                 )
         faults = tuple(fault for fault in self.faults if begin_ns <= fault.begin_ns < end_ns)
-        centre = None if segment.scenario.translation == "none" else self._centre
+        centre = self._centre if segment.scenario.moves else None
         return SimulationStep(Samples(self.t_ns, self.truth, centre)[kept], sensors, faults)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain, whole_number
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import Value, require_frame_name
+from lie_rigid_body.foundation.parameters import NS, Value, require_frame_name
 from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
@@ -23,6 +23,7 @@ from lie_rigid_body.motion.closed_form.kicked import KickedClosedForm
 from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicked_steps import KickedSteps
 from lie_rigid_body.motion.kicks import Kicks
+from lie_rigid_body.motion.path import Knots, PathTranslation, PosePath
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
 from lie_rigid_body.motion.translation import Carried, Resting, SwayClock, Thrown, Translation, ramp_s
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
@@ -39,6 +40,12 @@ MIN_STEP: Final = 1e-9
 """Smallest step that a refusal advises, s."""
 
 _NOT_CARRIED: Final = "translation is not carried"
+_NO_PATH: Final = "motion is not path"
+_OF_MECHANICS: Final = (
+    *("inertia", "initial_attitude_xyzw", "initial_body_rate", "kicks", "kick_period"),
+    *("translation", "initial_position", "initial_velocity"),
+)
+"""Parameters that a path takes the place of."""
 _OF_THE_MOTION: Final = tuple(parameter.name for parameter in OWN if parameter.scope == "scenario")
 
 _Result = TypeVar("_Result")
@@ -90,6 +97,9 @@ class Scenario:
     sway_acceleration: tuple[float, ...]
     sway_band: tuple[float, ...]
     sway_seed: int
+    path_file: str
+    path_interval: float
+    path_knots: tuple[float, ...]
     world_frame: str
     body_frame: str
     stamped_twist: bool
@@ -174,6 +184,7 @@ class Scenario:
             ("kick_period", not self.kicks, "there are no kicks"),
             *((f"sway_{of}", self.translation != "carried", _NOT_CARRIED) for of in ("acceleration", "band", "seed")),
             ("initial_velocity", self.translation == "none", "translation is none"),
+            *((f"path_{of}", self.motion != "path", _NO_PATH) for of in ("file", "interval", "knots")),
         )
         return [
             *(
@@ -204,6 +215,8 @@ class Scenario:
     @_computed_once
     def start(self) -> State:
         """State at the start: attitude and body rate."""
+        if path := self.path():
+            return path.at(0)
         return State(self.initial_attitude_xyzw, self.initial_body_rate)
 
     @_computed_once
@@ -212,15 +225,25 @@ class Scenario:
         return Kicks.of(self.kicks, self.kick_period)
 
     @_computed_once
+    def path(self) -> PosePath | None:
+        """The path that is followed; None of a motion by the laws of mechanics."""
+        return PosePath(Knots.of(self.path_knots)) if self.motion == "path" else None
+
+    @_computed_once
     def exact_motion(self) -> Motion:
-        """The exact solution from the start, at times before it as well, whatever the motion that is asked for."""
+        """The exact solution from the start, at times before it as well, whatever the motion that is asked for.
+
+        Of a path it is the rotation along it.
+        """
+        if path := self.path():
+            return path
         if self.kicks:
             return KickedClosedForm(self.kick_schedule(), self.body(), self.start())
         return ClosedForm(self.body(), self.start())
 
     def make_motion(self) -> Motion:
         """A new motion from the start."""
-        return copy.copy(self.exact_motion() if self.motion == "closed_form" else self._moving_chart())
+        return copy.copy(self._moving_chart() if self.motion == "moving_chart" else self.exact_motion())
 
     @_computed_once
     def _moving_chart(self) -> Motion:
@@ -234,9 +257,16 @@ class Scenario:
             return None
         return harmonics(self.sway_seed, NoiseSource.SWAY, self.sway_acceleration, self.sway_band)
 
+    @property
+    def moves(self) -> bool:
+        """Whether the mass centre moves."""
+        return self.translation != "none" or self.motion == "path"
+
     @_computed_once
     def mass_centre(self) -> Translation:
         """Motion of the mass centre."""
+        if path := self.path():
+            return PathTranslation(path)
         if self.translation == "none":
             return Resting(self.initial_position)
         if self.translation == "thrown":
@@ -248,8 +278,10 @@ class Scenario:
 
     def carrier(self) -> Carrier:
         """What the sensors are fixed to."""
-        acceleration = None if self.sway() is None else self._acceleration
-        return Carrier(self.body(), acceleration, falls=self.translation == "thrown")
+        path = self.path()
+        acceleration = self._acceleration if path or self.sway() else None
+        turning = path.angular_acceleration if path else None
+        return Carrier(self.body(), acceleration, turning, falls=self.translation == "thrown")
 
     def _acceleration(self, t_ns: Integers) -> Array:
         return self.mass_centre().at(t_ns).acceleration
@@ -260,7 +292,12 @@ class Scenario:
 
     @_computed_once
     def rate_bound(self) -> float:
-        """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
+        """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter.
+
+        Of a path it is that of its pieces.
+        """
+        if path := self.path():
+            return path.rate_bound
         with np.errstate(over="ignore"):
             return float(_rate_bounds(self.body(), self.arc_starts()).max())
 
@@ -275,7 +312,7 @@ class Scenario:
         return [self.rate, *(sensor.rate for sensor in self.sensors.on.values())]
 
     def steps_per_sample(self, rate: float | None = None) -> int:
-        """Steps of the moving chart from one sample to the next; 1 of the closed form.
+        """Steps of the moving chart from one sample to the next; 1 of other motions.
 
         Parameters
         ----------
@@ -283,7 +320,7 @@ class Scenario:
             Samples per second, by default those of the truth.
         """
         rate = self.rate if rate is None else _read("rate", rate)
-        if self.motion == "closed_form":
+        if self.motion != "moving_chart":
             return 1
         return steps_between(1.0 / rate, self.longest_step)
 
@@ -308,6 +345,26 @@ class Scenario:
         """Longest step of the moving chart, s; infinite for a body at rest, whose step is the interval."""
         return METHODS[self.method].longest_step(self.max_step, self.rate_bound())
 
+    @property
+    def last_ns(self) -> int:
+        """Time at which the motion ends, ns since the start: of the last pose of a path, else beyond all times."""
+        path = self.path()
+        return path.last_ns if path else 2**64 - 1
+
+    def require_until(self, last_ns: int) -> None:
+        """Refuse a time, ns since the start, at which the motion has ended.
+
+        Raises
+        ------
+        ParameterError
+        """
+        if last_ns > self.last_ns:
+            raise ParameterError(
+                "duration",
+                f"{(last_ns + 1) / NS:.15g} s is longer than the path, which ends {self.last_ns / NS:.15g} s after its "
+                "first pose: give that time at most",
+            )
+
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
             require_frame_name(name, getattr(self, name))
@@ -315,6 +372,7 @@ class Scenario:
         require_band("sway_band", self.sway_band)
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body = self.body()
+            self._require_path_alone()
             self._valid_start()
             _require_normal(body, self.arc_starts())
         fastest = self.rate_bound()
@@ -330,6 +388,23 @@ class Scenario:
         for name in sorted({"body_frame", *of_sensors} - {"world_frame"}):
             if self.frame(name) == self.world_frame:
                 raise ParameterError(name, f"{shown(self.world_frame)} is the world_frame as well: give another name")
+
+    def _require_path_alone(self) -> None:
+        """Refuse a path without knots, and what a path determines itself."""
+        if self.motion != "path":
+            return
+        for name in _OF_MECHANICS:
+            if getattr(self, name) != BY_NAME[name].default:
+                raise ParameterError(
+                    name,
+                    f"{shown(getattr(self, name))} is given beside motion path, which tells it: leave it out",
+                )
+        if not self.path_knots:
+            read = f"{shown(self.path_file)} is read by commands and by simulate: give path_knots here"
+            raise ParameterError(
+                "path_file", read if self.path_file else "motion path has no poses: give a file of them"
+            )
+        self.path()
 
     def _valid_start(self) -> State:
         try:

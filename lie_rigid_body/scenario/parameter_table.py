@@ -9,6 +9,7 @@ from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, Parameter, Value,
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.kicks import KICK_NUMBERS, MAX_KICKS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
+from lie_rigid_body.motion.path import KNOT_NUMBERS, MAX_KNOTS
 from lie_rigid_body.sensors import SENSORS, graded
 from lie_rigid_body.sensors.parameters import harmonics_parameters
 
@@ -49,8 +50,9 @@ OWN: Final = (
         "motion",
         "string",
         "moving_chart",
-        "How the state moves: moving_chart integrates Euler's equations, closed_form evaluates the exact solution.",
-        choices=("moving_chart", "closed_form"),
+        "How the state moves: moving_chart integrates Euler's equations, closed_form evaluates the exact solution, "
+        "path follows the poses of path_file.",
+        choices=("moving_chart", "closed_form", "path"),
     ),
     Parameter("method", "string", DEFAULT_METHOD, "Stepper of the moving chart.", choices=tuple(METHODS)),
     Parameter(
@@ -105,6 +107,29 @@ OWN: Final = (
         "Seed of the frequencies and phases of the sway.",
         minimum=0,
         maximum=2**63 - 1,
+    ),
+    Parameter(
+        "path_file",
+        "string",
+        "",
+        "Poses that the motion path goes through: TUM (t x y z qx qy qz qw, s), EuRoC CSV, t_ns,x,y,z,w, or a bag.",
+    ),
+    Parameter(
+        "path_interval",
+        "double",
+        0.03,
+        "Poses of path_file that are nearer than that, s, are averaged into one knot of the path; 0: each is one.",
+        minimum=0.0,
+        maximum=1e6,
+    ),
+    Parameter(
+        "path_knots",
+        "double_array",
+        (),
+        "Knots of the path: time, s since the first pose, position, m, attitude x y z w each; empty: of path_file.",
+        lengths=range(0, KNOT_NUMBERS * MAX_KNOTS + 1, KNOT_NUMBERS),
+        minimum=-MAX_TRANSLATION,
+        maximum=MAX_TRANSLATION,
     ),
     Parameter("world_frame", "string", "world", "Name of the inertial frame of the pose."),
     Parameter("body_frame", "string", "base_link", "Name of the body frame of the twist."),

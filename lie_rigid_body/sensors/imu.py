@@ -223,6 +223,7 @@ class SpecificForce:
         self._has_lever_arm = any(lever_arm)
         self._support = 0.0 if carrier.falls else support
         self._acceleration = carrier.acceleration
+        self._angular_acceleration = carrier.angular_acceleration
 
     def of(self, times_ns: Integers, states: State) -> Array:
         """The specific force in the body frame, m/s², shape (N, 3): exactly 0 at the mass centre in free fall.
@@ -235,7 +236,7 @@ class SpecificForce:
             Of N instants.
         """
         rate = states.body_rate
-        force = self._of_rotation(rate) if self._has_lever_arm else np.zeros_like(rate)
+        force = self._of_rotation(times_ns, rate) if self._has_lever_arm else np.zeros_like(rate)
         if self._acceleration is not None:
             moved = self._acceleration(times_ns) + self._support * np.array([0.0, 0.0, 1.0])
             return force + quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), moved)
@@ -246,13 +247,15 @@ class SpecificForce:
             force = force + self._support * up
         return force
 
-    def _of_rotation(self, rate: Array) -> Array:
+    def _of_rotation(self, times_ns: Integers, rate: Array) -> Array:
         """Acceleration of the point relative to the mass centre, body frame, m/s²: ω̇×r + ω×(ω×r)."""
+        centripetal = np.cross(rate, apply_tensor(self._across, rate))
+        if self._angular_acceleration is not None:
+            return apply_tensor(self._across, self._angular_acceleration(times_ns)) + centripetal
         # ω̇ in principal axes: ω̇₁ = (I₂ − I₃)/I₁ ω₂ω₃ and cyclically (Landau & Lifshitz §36, 36.5)
         principal = apply_tensor(self._to_principal, rate)
         turning = self._euler * principal.take(_YZX, axis=-1) * principal.take(_ZXY, axis=-1)
-        tangential = apply_tensor(self._principal_across, turning)
-        return tangential + np.cross(rate, apply_tensor(self._across, rate))
+        return apply_tensor(self._principal_across, turning) + centripetal
 
 
 class Imu(Instrument):

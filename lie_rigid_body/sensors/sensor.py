@@ -38,12 +38,16 @@ class Carrier:
     acceleration : callable or None
         Acceleration of its mass centre in the world frame, m/s², shape (N, 3), at N times, ns, where something other
         than gravitation makes it; None: nothing does.
+    angular_acceleration : callable or None
+        Angular acceleration in the body frame, rad/s², shape (N, 3), at N times, ns, of a body that is led along a
+        path; None: that of Euler's equations.
     falls : bool
         Whether nothing holds it against gravitation.
     """
 
     body: RigidBody
     acceleration: Callable[[Integers], Array] | None = None
+    angular_acceleration: Callable[[Integers], Array] | None = None
     falls: bool = False
 
 

@@ -152,7 +152,7 @@ class _RunningSegment:
         self.end_ns = 2 * MAX_EPOCH_NS
         ahead = partial(scenario.batch_size, LOOK_AHEAD, STEPS_AHEAD)
         self.clock = segment.clock()
-        centre = None if scenario.translation == "none" else scenario.mass_centre()
+        centre = scenario.mass_centre() if scenario.moves else None
         states = partial(_samples, motion(), centre, segment.start_ns)
         self.truth = SampleQueue(self.clock, segment.first_sample, states, ahead(scenario.rate))
         self.sensors: dict[str, SampleQueue[SensorSamples]] = {}
@@ -303,12 +303,13 @@ class Simulation:
         return self._running[0]
 
     def require_stamps(self, last_ns: int) -> None:
-        """Refuse a time, ns, up to which some sample or reading would have a stamp that ROS cannot tell.
+        """Refuse a time, ns, up to which the motion does not last, or some stamp would be none that ROS can tell.
 
         Raises
         ------
         ParameterError
         """
+        self.segment.scenario.require_until(last_ns - self.segment.start_ns)
         self.clock.stamps_ns(self.clock.count_until(last_ns) - 1, 1)
         _require_stamps_of_readings(self.segment.scenario, self.segment.start_ns, last_ns)
 

@@ -22,7 +22,8 @@ from lie_rigid_body.system.bounded_input import MAX_NUMBER_LENGTH
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
 MAX_SCENARIO_TEXT: Final = 1024 * 1024
-"""Largest length of a scenario message that is read, characters; this package writes about 2000, with kicks more."""
+"""Largest length of a scenario message that is read, characters; this package writes about 2000, and 170 a
+knot of a path."""
 
 
 @short_dataclass(frozen=True)

@@ -20,7 +20,7 @@ HUGE = [
     "line\n" * 100,
     10**6000,
     -(10**6000),
-    [0.1 + k for k in range(10_000)],
+    [0.1 + k for k in range(10_001)],
     [[["deep"] * 1000] * 1000] * 1000,
     {str(k): k for k in range(1000)},
     np.zeros((1000, 3, 3)),

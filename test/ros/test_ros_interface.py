@@ -63,7 +63,8 @@ def test_every_parameter_is_described(observer: Peer) -> None:
     assert (factor.from_value, factor.to_value) == (0.0, 1e6)
     assert len(described["max_step"].floating_point_range) == 1
     assert len(described["epoch_ns"].integer_range) == 1
-    fixed = {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
+    fixed = {"path_file", "path_interval", "path_knots"}
+    fixed |= {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
     fixed |= {"sensor_grade", "imu_orientation", "lockstep_topic", "lockstep_nodes", "lockstep_timeout"}
     assert {name for name in names if described[name].read_only} == fixed
     assert "closed_form" in described["motion"].additional_constraints

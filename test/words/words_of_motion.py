@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body import ClosedForm, InputError, MovingChart, ParameterError, RigidBody, State
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, ChainTableau
+from lie_rigid_body.motion.path import MAX_KNOTS, Knots, PosePath
 from lie_rigid_body.motion.time_steps import steps_to
 
 BODY = RigidBody([1.0, 2.0, 3.0])
@@ -30,6 +31,12 @@ def reached(t_ns):
 
 def chart(rates, *, moments=(1.0, 2.0, 3.0), step=0.001):
     return MovingChart(RigidBody(list(moments)), starts(rates), method="rkmk4", max_step=step)
+
+
+def path(*seconds, degrees=0.0, norm=1.0):
+    half = np.radians(degrees) / 2.0 * np.arange(len(seconds))
+    attitude = norm * np.stack([0.0 * half, 0.0 * half, np.sin(half), np.cos(half)], axis=-1)
+    return PosePath(Knots((np.array(seconds) * 1e9).astype(np.int64), np.zeros((len(seconds), 3)), attitude))
 
 
 REFUSED = {
@@ -54,6 +61,11 @@ REFUSED = {
     ParameterError: [
         *(lambda method=method: MovingChart(BODY, START, method=method) for method in ("rkmk9", [], None)),
         *(lambda step=step: MovingChart(BODY, START, max_step=step) for step in NO_STEPS),
+        lambda: path(0.0, 0.1, 0.2),
+        lambda: path(*range(MAX_KNOTS + 1)),
+        lambda: path(0.0, 0.2, 0.1, 0.3),
+        lambda: path(0.0, 0.1, 0.2, 0.3, norm=0.9),
+        lambda: path(0.0, 0.1, 0.2, 0.3, degrees=175.0),
     ],
     ValueError: [
         lambda: ChainTableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),

@@ -13,11 +13,14 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from foreign_bags import record, text
+from lie_rigid_body import simulate
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.mcap_contents import nothing
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.recording.recovered_folder import recover_folder
 from lie_rigid_body.recording.recovery import recover
 from lie_rigid_body.simulation import Segment
@@ -123,6 +126,30 @@ def rescued_folder(fixed):
     return recover_folder(Path("run"), Path(fixed))
 
 
+POSE_LINES = "0.0 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n"
+NO_POSES = [
+    "",
+    "0.0 1 2 3\n",
+    f"{POSE_LINES}0.2 0 0 0 0 0 one 1\n",
+    "1.5,0,0,0,1,0,0,0\n",
+    f"{POSE_LINES}0.1 0 0 0 0 0 0 1\n",
+    f"{POSE_LINES}0.2 0 0 0 0 0 0 0.9\n",
+]
+
+
+def poses(text, name="hand.tum"):
+    if text is not None:
+        Path(name).write_text(text)
+    return with_path({"motion": "path", "path_file": name, "path_interval": 0.0})
+
+
+def poses_of_two():
+    run = simulate(duration=0.1, motion="closed_form")
+    attitude = Estimate(run.truth.attitude_xyzw, run.t_ns)
+    run.to_bag("two.mcap", estimates={"/a/b": attitude, "/a/pose": attitude})
+    return poses(None, "two.mcap")
+
+
 REFUSED = {
     BagError: [
         *(lambda how=how: change(how) for how in CHANGES),
@@ -151,5 +178,9 @@ REFUSED = {
     InputError: [
         *(lambda text=text: Segment.from_json(text) for text in NO_SCENARIOS),
         lambda: load_yaml("[" * 3000, "x"),
+        *(lambda text=text: poses(text) for text in NO_POSES),
+        lambda: poses(None),
+        lambda: poses("".join(f"{k / 1000} 0 0 0 0 0 0 1\n" for k in range(6000))),
+        poses_of_two,
     ],
 }

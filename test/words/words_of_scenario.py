@@ -37,6 +37,8 @@ QUICK = {"method": "rkmk4", "max_step": 10.0, "rate": 0.1, "initial_body_rate": 
 SPIN = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
 
 
+KNOTS = [number for k in range(4) for number in (0.1 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)]
+FAST_KNOTS = [number for k in range(4) for number in (0.01 * k, 0.0, 0.0, 0.0, 0.0, 0.0, np.sin(k), np.cos(k))]
 MANY = 2e6
 TRIADS = ("gyro", "accelerometer")
 NO_SENSORS = [
@@ -106,6 +108,13 @@ REFUSED = {
         lambda: given(**QUICK),
         lambda: given(**SPIN),
         *(lambda sensors=sensors: given(**sensors) for sensors in NO_SENSORS),
+        lambda: given(motion="path"),
+        lambda: given(motion="path", path_file="hand.tum"),
+        lambda: given(motion="path", path_knots=KNOTS, kick_period=2.0),
+        lambda: given(motion="path", path_knots=KNOTS, inertia=[1.0, 2.0, 2.5]),
+        lambda: given(path_knots=[1.0]),
+        lambda: given(motion="path", path_knots=KNOTS).require_until(10**9),
+        lambda: given(motion="path", path_knots=FAST_KNOTS, imu_rate=9.0, gyro_rate="integrated"),
         lambda: simulate(duration=1.0, imu_rate=10.0, imu_clock_offset=-0.5),
         lambda: Scenario().frame("imu_frames"),
         lambda: Scenario().frame("rate"),
@@ -122,5 +131,6 @@ REFUSED = {
 SAID = [
     lambda: given(gyro_spike_probability=0.1).without_effect,
     lambda: given(gyro_rate="integrated", gyro_range=9.0, imu_outage_duration=0.1, sun_sensor_noise=0.1).without_effect,
+    lambda: given(path_file="hand.tum", path_interval=0.1).without_effect,
     lambda: given(imu_rate=9.0, imu_heading_noise=0.1, fault_end=5.0).without_effect,
 ]

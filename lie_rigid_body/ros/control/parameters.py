@@ -16,14 +16,19 @@ from rclpy.parameter_service import ParameterService
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.parameters import Parameter, Value
 from lie_rigid_body.foundation.wording import suggestion
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
 
+_PATH: Final = "the path is read at the start: start the node anew with it"
 _NEW_NODE: Final = "start the node anew with it"
 FIXED: Final[Mapping[str, str]] = {
     "stamped_twist": f"a topic keeps its type: {_NEW_NODE}",
     "epoch_ns": f"stamps go on rising: {_NEW_NODE}",
+    "path_file": _PATH,
+    "path_interval": _PATH,
+    "path_knots": _PATH,
     "record_path": f"the bag is begun with the first sample: {_NEW_NODE}",
     "publish_clock": f"publishers are made at the start: {_NEW_NODE}",
     "paused": "it is how the node starts: call ~/pause or ~/resume",
@@ -66,8 +71,9 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         values = read_parameters({**given, **overrides(node)})
         values.update(live_scenario(values).parameters())
         first = [_as_ros(each, values[each.name]) for each in PARAMETERS]
-        # rclpy takes an empty list for one of bytes: what may be empty is declared by its type, and set after that
-        empty = [given for given in first if given.type_ == RosParameter.Type.DOUBLE_ARRAY and not given.value]
+        # rclpy takes an empty list for one of bytes: what may be set later is declared by its type, and set after that
+        doubles = [given for given in first if given.type_ == RosParameter.Type.DOUBLE_ARRAY]
+        empty = [given for given in doubles if not given.value and given.name not in FIXED]
         declared = [given.type_ if given in empty else given.value for given in first]
         node.declare_parameters(
             "",
@@ -83,7 +89,7 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
 
     def scenario(self) -> Scenario:
         """The scenario of the present values."""
-        scenario = Scenario.from_parameters(self.values())
+        scenario = Scenario.from_parameters(with_path(self.values()))
         if scenario.sensors.on:
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario

@@ -304,9 +304,11 @@ class StandardServices:
     def get_entity_info(self, request: Any, response: Any) -> None:
         """Description and category of the body."""
         self._require_known(request.entity)
-        moments = numerals(self._run.segment.scenario.body().principal_moments)
+        scenario = self._run.segment.scenario
+        moments = numerals(scenario.body().principal_moments)
         response.info.category.category = CATEGORY_DYNAMIC_OBJECT
-        response.info.description = f"a torque-free rigid body with the principal moments {moments} kg m²"
+        body = f"a torque-free rigid body with the principal moments {moments} kg m²"
+        response.info.description = "a body on a path" if scenario.path() else body
 
     @_answering
     def get_entity_state(self, request: Any, response: Any) -> None:
@@ -321,6 +323,8 @@ class StandardServices:
         message.header.frame_id = scenario.world_frame
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, NS)
         acceleration = scenario.body().angular_acceleration(state)
+        if path := scenario.path():
+            acceleration = path.angular_acceleration(np.array([stamp_ns - self._run.segment.start_ns]))[0]
         _fill(message.pose.position, centre.position)
         _fill(message.pose.orientation, attitude)
         _fill(message.twist.linear, centre.velocity)
@@ -339,6 +343,8 @@ class StandardServices:
     def set_entity_state(self, request: Any, response: Any) -> None:
         """Begin a new segment from any pose and twist, given in the world frame or without a frame."""
         self._require_known(request.entity)
+        if self._run.segment.scenario.path():
+            raise LieRigidBodyError("motion path prescribes the state: set motion to another, and reset")
         # before release 2 of simulation_interfaces both are always set
         pose = request.state.pose if getattr(request, "set_pose", True) else None
         twist = request.state.twist if getattr(request, "set_twist", True) else None

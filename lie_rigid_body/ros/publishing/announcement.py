@@ -7,6 +7,7 @@ import shutil
 import sys
 from collections.abc import Mapping
 
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
@@ -31,11 +32,10 @@ def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, reco
     """
     sensors = " ".join(names[topic] for topic in sensor_topics(scenario.sensors))
     twist = "TwistStamped" if scenario.stamped_twist else "Twist"
+    kind = "path" if scenario.path() else f"{'kicked' if scenario.kicks else 'torque-free'} rigid body"
     lines = [
-        f"{names['~']} simulates a {'kicked' if scenario.kicks else 'torque-free'} rigid body",
-        f"  body        {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
-        f"  start       body rate {_numbers(scenario.initial_body_rate)} rad/s, "
-        f"attitude {_numbers(scenario.initial_attitude_xyzw)} (x y z w)",
+        f"{names['~']} simulates a {kind}",
+        *([] if scenario.path() else _body_and_start(scenario)),
         f"  motion      {_motion(scenario)}",
         *(f"  {name:<11} {phrase}" for name, phrase in facts(scenario).items()),
         f"publishes {scenario.rate:g} times a second, in ROS domain {domain}",
@@ -79,7 +79,18 @@ def shape(body: RigidBody) -> str:
     return f"{kind} symmetric top" if kind in ("oblate", "prolate") else f"{kind} top"
 
 
+def _body_and_start(scenario: Scenario) -> list[str]:
+    """Lines about the body and its start."""
+    return [
+        f"  body        {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
+        f"  start       body rate {_numbers(scenario.initial_body_rate)} rad/s, "
+        f"attitude {_numbers(scenario.initial_attitude_xyzw)} (x y z w)",
+    ]
+
+
 def _motion(scenario: Scenario) -> str:
+    if path := scenario.path():
+        return f"path, through {len(path)} knots, of {path.last_ns / NS:.6g} s"
     if scenario.motion == "closed_form":
         return "closed_form, the exact solution"
     return f"{scenario.motion}, stepper {scenario.method}, steps of at most {scenario.longest_step:.3g} s"

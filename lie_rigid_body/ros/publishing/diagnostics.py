@@ -70,7 +70,7 @@ class Diagnostics(Sink):
     def _status(self, steady_ns: int, punctuality: Punctuality) -> Status:
         then_ns, before = self._before
         missed = punctuality.missed - before.missed
-        energy, momentum = self.drifts()
+        energy, momentum = (0.0, 0.0) if self._segment.scenario.path() else self.drifts()
         values = {
             "samples per second": f"{(punctuality.sent - before.sent) * NS / max(1, steady_ns - then_ns):.6g}",
             "samples per second of simulated time": f"{self._segment.scenario.rate:g}",
@@ -79,9 +79,10 @@ class Diagnostics(Sink):
             "worst lateness so far (ms)": f"{punctuality.worst_ns / 1e6:.3f}",
             "missed deadlines in this interval": str(missed),
             "missed deadlines so far": str(punctuality.missed),
-            "energy drift since the last reset or kick (relative)": f"{energy:.2e}",
-            "momentum drift since the last reset or kick (relative)": f"{momentum:.2e}",
         }
+        if not self._segment.scenario.path():
+            values["energy drift since the last reset or kick (relative)"] = f"{energy:.2e}"
+            values["momentum drift since the last reset or kick (relative)"] = f"{momentum:.2e}"
         return *_judgement(self._failure, missed, max(energy, momentum)), values
 
     def drifts(self) -> tuple[float, float]:

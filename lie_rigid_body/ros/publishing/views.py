@@ -105,7 +105,7 @@ class Markers(Sink):
         self._frame = scenario.world_frame
         self._body = body
         self._rate_scale = _scale(starts.body_rate)
-        self._momentum_scale = _scale(body.body_momentum(starts))
+        self._momentum_scale = 0.0 if scenario.path() else _scale(body.body_momentum(starts))
         self._arc = 0
         self._trail.clear()
 

@@ -15,6 +15,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
+from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.pace import BREATH_NS, Pace, UpTo, credit_ns, pace_of
 from lie_rigid_body.ros.timing.requests import ControlError, Mailbox, P, StepRequest, T
@@ -43,7 +44,7 @@ def live_scenario(values: Mapping[str, object]) -> Scenario:
     ParameterError
         If they make none, or its samples do.
     """
-    scenario = Scenario.from_parameters(values)
+    scenario = Scenario.from_parameters(with_path(values))
     steps = scenario.steps_per_sample(min(scenario.rates))
     if steps > MAX_LIVE_STEPS:
         raise ParameterError(
@@ -135,6 +136,11 @@ class LiveRun:
     def segment(self) -> Segment:
         """The present segment."""
         return self._simulation.segment
+
+    @property
+    def _end_ns(self) -> int:
+        """Stamp at which the motion of the present segment ends, ns."""
+        return self.segment.start_ns + self.segment.scenario.last_ns
 
     def run(self) -> None:
         """Send samples, and carry out calls, until the interruption is requested.
@@ -268,6 +274,8 @@ class LiveRun:
             raise ParameterError(
                 "steps", f"{count} lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}: give fewer"
             )
+        if last_ns > self._end_ns:
+            raise ControlError(f"{count} steps lead beyond the last pose of the path: ask for fewer")
         self._take_pace(UpTo(last_ns))
         self._request = StepRequest(first, count)
         return self._request
@@ -322,6 +330,10 @@ class LiveRun:
         stamp = self._simulation.next_stamp_ns
         if not all(sink.ready() for sink in self._sinks) or stamp > self._pace.due_ns(now) or now < self._rested_ns:
             return
+        if stamp > self._end_ns:
+            self._warn("the path has ended with its last pose, and so does the node")
+            self.quit()
+            return
         if self._lockstep is not None and self._lockstep.holds(now):
             self._take_pace(self._pace.postponed(stamp, now))
             return
@@ -330,7 +342,7 @@ class LiveRun:
             credit = credit_ns(now - self._rested_ns, is_far_behind=is_far_behind)
             last_ns = self._pace.last_ns(stamp, now, credit) if self._lockstep is None else stamp
             try:
-                taken = self._simulation.take_until(last_ns, self._batch_size)
+                taken = self._simulation.take_until(min(last_ns, self._end_ns), self._batch_size)
             except ParameterError as error:
                 self.pause()
                 self._warn(f"paused: {error}")

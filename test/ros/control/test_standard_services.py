@@ -334,6 +334,18 @@ def test_the_mass_centre_is_told_in_the_world_and_set_by_pose_and_twist() -> Non
         assert (scenario.initial_position, scenario.initial_velocity) == (tuple(away), tuple(speed))
 
 
+def test_the_state_on_a_path_is_told_and_not_set(paused: Simulator) -> None:
+    knots = [number for k in range(5) for number in (0.1 * k, 0.0, 0.0, 0.0, 0.0, 0.0, np.sin(k * k), np.cos(k * k))]
+    scenario = Scenario(motion="path", path_knots=knots, rate=1000.0)
+    paused.live.ask(paused.live.reset, scenario)
+    assert paused.code("set_entity_state", entity=NAME, state=wanted()) == FAILED
+    path = scenario.path()
+    assert path is not None
+    told = paused.ask("get_entity_state", entity=NAME).state.acceleration.angular
+    np.testing.assert_allclose(xyz(told), path.angular_acceleration(np.zeros(1, np.int64))[0], atol=1e-12)
+    assert len(paused.sink.segments) == 2
+
+
 @pytest.mark.parametrize("frame", ["", "map"])
 @pytest.mark.parametrize("state", [PLAYING, PAUSED, STOPPED])
 def test_a_state_is_set_and_the_world_twist_turned_into_the_body(paused: Simulator, frame: str, state: int) -> None:

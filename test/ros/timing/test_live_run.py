@@ -11,7 +11,7 @@ from fake_time import NS, ScriptedRun
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, RunState
-from lie_rigid_body.ros.timing.requests import ClosedError, Mailbox
+from lie_rigid_body.ros.timing.requests import ClosedError, ControlError, Mailbox
 from lie_rigid_body.ros.timing.sink import MAX_BATCH
 from lie_rigid_body.scenario import Scenario
 from sampled import sampled
@@ -58,6 +58,35 @@ def test_where_the_stamps_end_the_run_pauses_until_a_reset() -> None:
     assert run.live.state is RunState.PAUSED
     assert len(told) == 2
     assert isinstance(refused, ParameterError)
+
+
+PATH = [number for k in range(5) for number in (k / 10.0, *[0.1 * k] * 3, 0.0, 0.0, 0.0, 1.0)]
+"""Knots of 0.4 s."""
+
+
+@pytest.mark.parametrize("factor", [0.0, 1.0, 7.0])
+def test_the_run_ends_with_the_last_pose_of_its_path(factor: float) -> None:
+    told = list[str]()
+    run = ScriptedRun(motion="path", path_knots=PATH, imu_rate=30.0, factor=factor, warn=told.append)
+    run.play((5 * NS, nothing))
+    assert run.sink.stamps == [NS + k * 10_000_000 for k in range(41)]
+    assert len(run.sink.sensor_stamps("imu/data_raw")) == 13
+    assert run.interruption.requested
+    assert len(told) == 1
+
+
+def test_a_path_that_is_reset_begins_anew_and_steps_end_with_it() -> None:
+    run = ScriptedRun(motion="path", path_knots=PATH)
+    answers = run.play(
+        (NS // 5 - 1, run.live.pause),
+        (NS // 4, lambda: run.live.step(30)),
+        (NS // 3, lambda: run.live.reset(run.scenario)),
+        (NS // 2, run.live.resume),
+        (2 * NS, nothing),
+    )
+    assert isinstance(answers[1], ControlError)
+    second = run.sink.segments[1]
+    assert run.sink.stamps[-1] == second.start_ns + 400_000_000
 
 
 def test_a_clock_that_no_stamp_can_show_is_refused_at_the_start() -> None:

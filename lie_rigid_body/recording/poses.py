@@ -1,0 +1,129 @@
+"""Poses of others: trajectories in text files and in bags, and the knots of a path that follow from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from lie_rigid_body.foundation.arrays import Array, plain
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.messages.batch import POSE
+from lie_rigid_body.motion.path import RISING, Knots, refuse_first, require_path
+from lie_rigid_body.recording.bag_files import SUFFIXES, BagFiles
+from lie_rigid_body.recording.topic_messages import POSE_TYPES, read_attitudes
+from lie_rigid_body.scenario.parameter_table import read_parameters
+from lie_rigid_body.system.bounded_input import read_text, real
+
+MAX_TRAJECTORY_BYTES: Final = 256 * 2**20
+"""Largest size of a text file of poses, bytes: an hour at 500 Hz, with 17 digits a number."""
+MAX_NORM_ERROR: Final = 0.01
+"""Largest distance of the norm of a quaternion in a file from 1: files round to three decimals and more."""
+_LAYOUTS: Final = {
+    (False, 8): (NS, [1, 2, 3, 4, 5, 6, 7]),
+    (True, 8): (1, [1, 2, 3, 5, 6, 7, 4]),
+    (True, 17): (1, [1, 2, 3, 5, 6, 7, 4]),
+    (True, 5): (1, [-1, -1, -1, 1, 2, 3, 4]),
+}
+"""Layouts of lines, by whether commas separate their numbers, and by how many there are. Each has the nanoseconds of
+its unit of time, and the columns of position and attitude x y z w; that of a zero is −1. They are TUM, EuRoC (scalar
+first, perhaps with velocity and biases behind the pose), and attitudes alone."""
+_KINDS: Final = "TUM (t x y z qx qy qz qw, s), EuRoC CSV (ns, position, qw qx qy qz) or t_ns,x,y,z,w"
+
+
+def with_path(parameters: Mapping[str, object]) -> dict[str, object]:
+    """Parameters of a scenario with the knots of its path, which are read from ``path_file``.
+
+    They stay as they are where the motion is no path, or the knots are given.
+
+    Raises
+    ------
+    InputError
+        If a parameter is invalid, or the file has no poses that make a path.
+    """
+    given = {name: plain(value) for name, value in parameters.items()}
+    values: dict[str, Any] = read_parameters(given) if given.get("motion") == "path" else {}
+    if values.get("path_knots") or not values.get("path_file"):
+        return given
+    try:
+        knots = read_poses(values["path_file"]).averaged(round(Decimal(repr(values["path_interval"])) * NS))
+    except InputError as error:
+        raise ParameterError("path_file", str(error)) from None
+    require_path(knots)
+    return {**given, "path_knots": knots.numbers()}
+
+
+def read_poses(path: str | Path) -> Knots:
+    """The poses of a text file or of a bag, their times counted from the first one.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, its times do not rise, or a quaternion is not near unit norm.
+    BagError
+        If it is a bag that cannot be read.
+    """
+    is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
+    times, poses = _of_bag(Path(path)) if is_bag else _of_text(path)
+    since = np.array([time - times[0] for time in times], dtype=np.int64)
+    lengths = quaternion.norm(poses[:, 3:])
+    faults = {
+        RISING: np.diff(since, prepend=-1) <= 0,
+        f"has a quaternion whose norm is not 1 to {MAX_NORM_ERROR:g}: give unit quaternions": (
+            ~(np.abs(lengths - 1.0) <= MAX_NORM_ERROR)
+        ),
+    }
+    refuse_first(f"{path}", "pose", since / NS, faults)
+    return Knots(since, poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis])
+
+
+def _of_bag(path: Path) -> tuple[list[int], Array]:
+    """Stamps, ns, and poses, shape (N, 7), of the one topic of poses in a bag, or of the one that is called so."""
+    contents = BagFiles(path).contents(lambda topic, kind: kind in POSE_TYPES)
+    found = sorted(
+        track.topic for track in contents.tracks.values() if track.count and track.message_type in POSE_TYPES
+    )
+    named = [topic for topic in found if f"/{topic}".endswith(f"/{POSE}")] if len(found) > 1 else found
+    if len(named) != 1:
+        raise InputError(
+            f"{path} has poses on {listed(found) or 'no topic'}: give a bag with one such topic, or one .../{POSE}"
+        )
+    track = read_attitudes(path, contents, named[0])
+    assert track.position is not None
+    return track.stamps_ns.tolist(), np.column_stack([track.position, track.attitude_xyzw])
+
+
+def _of_text(path: str | Path) -> tuple[list[int], Array]:
+    """Times, ns, and poses, shape (N, 7), of a text file. Its comments and its heading are left out."""
+    times = list[int]()
+    poses = list[list[float]]()
+    for number, line in enumerate(read_text(path, MAX_TRAJECTORY_BYTES, kind="a file of poses").splitlines(), 1):
+        cells = line.replace(",", " ").split()
+        if not cells or line[0] == "#" or (line[0].isalpha() and not times):
+            continue
+        try:
+            unit, columns = _LAYOUTS["," in line, len(cells)]
+            numbers = [*map(real, cells), 0.0]
+            times.append(_nanoseconds(cells[0], unit))
+        except (KeyError, ValueError):
+            raise InputError(f"{path}, line {number}: {shown(line)} is no pose: give {_KINDS}") from None
+        poses.append([numbers[column] for column in columns])
+    if not times:
+        raise InputError(f"{path} has no pose: give {_KINDS}")
+    return times, np.array(poses)
+
+
+def _nanoseconds(text: str, unit: int) -> int:
+    """A time in units of so many ns, as its decimal tells it, in ns; of a time in ns a whole one."""
+    if not abs(float(text)) * unit < 2**62:
+        raise ValueError(f"no time: {text!r}")
+    time = Decimal(text) * unit
+    if unit == 1 and time % 1:
+        raise ValueError(f"no whole ns: {text!r}")
+    return round(time)
