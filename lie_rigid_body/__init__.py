@@ -27,6 +27,7 @@ if TYPE_CHECKING:  # for type checkers and editors, in the form that exports a n
     from lie_rigid_body.runs import Run as Run
     from lie_rigid_body.runs import simulate as simulate
     from lie_rigid_body.scenario import Scenario as Scenario
+    from lie_rigid_body.scenario import random_kicks as random_kicks
 
 __version__ = "1.0.0"
 
@@ -40,7 +41,7 @@ _NAMES = {
     "mechanics": "RigidBody State",
     "motion": "ClosedForm MovingChart describe",
     "runs": "Estimate Run simulate",
-    "scenario": "Scenario",
+    "scenario": "Scenario random_kicks",
 }
 _HOMES = {name: room for room, names in _NAMES.items() for name in names.split()}
 _ROOMS = ("groups", "lie", "mechanics")

@@ -26,7 +26,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "motion": {"arithmetic", "compilation", "lie", "mechanics"},
     "groups": {"lie", "mechanics", "motion"},
     "sensors": {"lie", "mechanics", "motion"},
-    "scenario": SCENARIO - {"scenario", "arithmetic", "compilation"},
+    "scenario": SCENARIO - {"scenario", "compilation"},
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},
     "recording": SCENARIO | {"simulation", "messages"},

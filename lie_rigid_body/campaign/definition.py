@@ -226,7 +226,8 @@ class Campaign:
         """
         if isinstance(run, bool) or not isinstance(run, int | np.integer) or not 0 <= run < self.runs:
             raise InputError(f"run {shown(run)} is none of this campaign: give a number from 0 to {self.runs - 1}")
-        return {name: draw(Uniforms(self.seed, int(run), name)) for name, draw in self._draws.items()}
+        length = float(self.duration)
+        return {name: draw(Uniforms(self.seed, int(run), name, length)) for name, draw in self._draws.items()}
 
     def scenario_of(self, run: int) -> Scenario:
         """The scenario of one run.

@@ -18,6 +18,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import as_double
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown, suggestion
+from lie_rigid_body.scenario import random_kicks
 from lie_rigid_body.sensors.noise import uniform
 
 
@@ -32,12 +33,15 @@ class Uniforms:
         The number of the run.
     name : str
         The name of the parameter.
+    duration : float, optional
+        The length of the run, s.
     """
 
-    def __init__(self, seed: int, run: int, name: str) -> None:
+    def __init__(self, seed: int, run: int, name: str, duration: float = 0.0) -> None:
         digest = hashlib.sha256(f"{seed} {run} {name}".encode()).digest()
         self._words = np.random.Philox(key=np.frombuffer(digest[:16], dtype="<u8"))
         self.run = run
+        self.duration = duration
 
     def next(self) -> float:
         """The next number, neither 0 nor 1."""
@@ -166,6 +170,13 @@ def _require_deviation(what: str, mean: float, std: float) -> None:
         raise InputError(f"{what}: std {std:g} is below 0: give a standard deviation")
 
 
+def _require_kicks(what: str, **given: Any) -> None:
+    try:
+        random_kicks(1e-9, **given)  # before which none comes
+    except InputError as error:
+        raise InputError(f"{what}: {error}") from None
+
+
 def _uniform(u: Uniforms, low: float, high: float) -> float:
     return low + (high - low) * u.next()
 
@@ -228,15 +239,20 @@ def _cylinder(
     return [across, across, m * r * r / 2.0]
 
 
+def _random_kicks(u: Uniforms, interval: float = 2.0, rate: float = 1.5, rest_probability: float = 0.3) -> list[float]:
+    """Kicks all along the run, of a seed that is drawn."""
+    return random_kicks(u.duration, interval, rate, rest_probability, int(u.next() * 2.0**52))
+
+
 def _mass(u: Uniforms, volume: float, mass: Draw | None, density: Draw | None) -> float:
     """Mass, kg, of a volume, m³: as given, or from a density, kg/m³."""
     return float(mass(u)) if mass else float(density(u)) * volume if density else math.nan
 
 
-_OF_SEVERAL: Final = ("uniform_rotation", "direction", "box", "cylinder")
+_OF_SEVERAL: Final = ("uniform_rotation", "direction", "box", "cylinder", "random_kicks")
 """Distributions that draw several numbers at once."""
 _READERS: Final[Mapping[str, Callable[[str, object], Any]]] = {
-    **dict.fromkeys(("low", "high", "mean", "std"), _number),
+    **dict.fromkeys(("low", "high", "mean", "std", "interval", "rate", "rest_probability"), _number),
     **dict.fromkeys(("mass", "density", "radius", "height"), _above_0),
     "values": _values,
     "norm": _at_least_0,
@@ -253,5 +269,6 @@ DISTRIBUTIONS: Final[Mapping[str, tuple[Callable[..., Any], ...]]] = {
     "box": (_box,),
     "cylinder": (_cylinder,),
     "run": (_run,),
+    "random_kicks": (_random_kicks, _require_kicks),
 }
 """Distributions by name: the function that draws, and the checks of what it is given."""

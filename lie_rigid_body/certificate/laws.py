@@ -22,6 +22,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers, same_bits
 from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.samples import Block
+from lie_rigid_body.scenario.arcs import arc_changes
 from lie_rigid_body.simulation import Segment
 
 _BLOCK: Final = 8192
@@ -79,10 +80,8 @@ class SegmentLaws:
     def __init__(self, segment: Segment, max_attitude: float | None = None, watch: Watch | None = None) -> None:
         self._segment = segment
         scenario = segment.scenario
-        self._body = scenario.body()
         self._motion = scenario.exact_motion()
         self._limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
-        self._kicks = scenario.kick_schedule()
         self._mass_centre = scenario.mass_centre()
         self._largest = dict[str, float]()
         self._slack = PATH_ERROR if scenario.path() else 0.0
@@ -132,12 +131,9 @@ class SegmentLaws:
         """Changes since the begin of each sample's arc."""
         norm = quaternion.norm(recorded.attitude_xyzw)[:, np.newaxis]
         states = State.trusted(recorded.attitude_xyzw / norm, recorded.body_rate)
-        arcs, which = np.unique(self._kicks.arcs(elapsed_ns), return_inverse=True)
-        begins = self._motion.at(self._kicks.begins_ns(arcs))
-        for kept in (self._body.kinetic_energy, self._body.angular_momentum):
-            wanted = kept(begins).reshape(len(arcs), -1)[which]
-            change = kept(states).reshape(len(wanted), -1) - wanted
-            largest = self._largest_so_far(kept.__name__, np.linalg.norm(wanted, axis=1))
+        changes = arc_changes(self._segment.scenario, elapsed_ns, states)
+        for name, (change, wanted) in zip(("energy", "momentum"), changes, strict=True):
+            largest = self._largest_so_far(name, np.linalg.norm(wanted, axis=1))
             yield _relative(np.linalg.norm(change, axis=1), largest), np.inf
 
     def _largest_so_far(self, name: str, sizes: Array) -> Array:

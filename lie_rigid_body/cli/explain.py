@@ -96,6 +96,14 @@ _MOTION: Final = (
     ("slow", "  not suddenly", "the momentum comes within {nearest} of axis 2, and does not linger there"),
 )
 """Quantities of motions: the case in which each is told, its name and its value."""
+_ARCS: Final = {
+    "rest": "",
+    "steady": "a steady rotation",
+    "separatrix": "on the separatrix",
+    "about_smallest": "circles axis 1",
+    "about_largest": "circles axis 3",
+}
+"""Regimes of arcs, in words."""
 _PATH: Final = (
     "The motion is a smooth spline through {knots} knots, which ends after {duration_s:.6g} s. The acceleration has an "
     "RMS of {rms_acceleration_m_s2:.3g} m/s². It is prescribed: no law of mechanics conserves anything."
@@ -124,6 +132,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.motion import describe
     from lie_rigid_body.report.answer import Sentences, as_text
     from lie_rigid_body.report.outputs import emit
+    from lie_rigid_body.scenario.facts import beyond_rotation
     from lie_rigid_body.scenario.parameter_file import scenario_files
 
     if given.name is not None and given.scenario is not None:
@@ -147,7 +156,12 @@ def main(given: argparse.Namespace) -> int:
     return emit(
         {},
         lambda: as_text(_parts(scenario, description), title),
-        lambda: {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)},
+        lambda: {
+            "parameters": scenario.parameters(),
+            **asdict(description),
+            "conserved": _conserved(description),
+            **beyond_rotation(scenario),
+        },
         as_json=given.json,
     )
 
@@ -155,18 +169,23 @@ def main(given: argparse.Namespace) -> int:
 def _parts(scenario: Scenario, description: Description) -> list[Part]:
     """Answer about a scenario and its motion."""
     from lie_rigid_body.report.answer import Sentences, Table
+    from lie_rigid_body.scenario.facts import beyond_rotation
 
+    beyond = beyond_rotation(scenario)
     spins = "1 rad/s" if description.regime == "rest" else "this angular momentum"
     inertia = _vector(scenario.inertia)
     rate = _vector(scenario.initial_body_rate)
+    until = " until the first kick" if scenario.kicks else ""
     parts: list[Part] = [
         Sentences([f"inertia {inertia} kg m², initial body rate {rate} rad/s"]),
         Table((), _body_rows(description), "Body, with its principal axes in the body frame"),
         Sentences([_TOPS[description.kind][0], *([_FLAT] if description.flat else [])]),
-        Table((), _motion_rows(description), "Motion"),
+        Table((), _motion_rows(description), f"Motion{until}"),
         Sentences([_regime(description)]),
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
-        Sentences([*_conservation(description)], "Conserved"),
+        Sentences([*_conservation(description)], f"Conserved{until}"),
+        Table((), [*_fact_rows(scenario, beyond["sway"])], "Kicks and mass centre"),
+        *_arc_table(beyond),
     ]
     return [*parts, *_sensor_parts(scenario)]
 
@@ -276,6 +295,39 @@ def _conservation(description: Description) -> Iterator[str]:
         yield f"{fact['quantity']}: {value} {fact['unit']}. {fact['why']}"
     if not description.conserved_body_momenta:
         yield _WHY["no axis"]
+
+
+def _arc_table(beyond: dict[str, Any]) -> Iterator[Part]:
+    """Table of the first arcs, where there are kicks."""
+    from lie_rigid_body.report.answer import Table
+
+    kicks = beyond["kicks"]
+    if not kicks["count"]:
+        return
+    rows = [
+        (
+            str(number),
+            f"{arc['begin_s']:.6g}",
+            "at rest" if arc["regime"] == "rest" else _vector(arc["body_rate"]),
+            _ARCS[arc["regime"]],
+        )
+        for number, arc in enumerate(beyond["arcs"])
+    ]
+    all_arcs = "endlessly many" if kicks["period_s"] else str(kicks["count"] + 1)
+    heading = f"The first {len(rows)} of {all_arcs} arcs: free motions, each with an energy and a momentum of its own"
+    yield Table(("arc", "from, s", "body rate, rad/s", "motion"), rows, heading)
+
+
+def _fact_rows(scenario: Scenario, sway: dict[str, Any] | None) -> Iterator[tuple[str, str]]:
+    """Kicks and translation, and sizes of the sway."""
+    from lie_rigid_body.scenario.facts import facts
+
+    for fact, phrase in facts(scenario).items():
+        yield fact, phrase
+        if fact == "mass centre" and sway is not None:
+            for name, key, unit in (("speed", "speed_m_s", "m/s"), ("displacement", "displacement_m", "m")):
+                most = sway[f"{key}_at_most"]
+                yield f"  {name}", f"{_vector(sway[f'{key}_rms'])} {unit} RMS, at most {most:.6g} {unit}"
 
 
 def _sensor_rows(scenario: Scenario) -> list[tuple[str, str]]:

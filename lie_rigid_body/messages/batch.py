@@ -132,32 +132,35 @@ def numbers_of(topic: Topic, field: Field) -> Sequence[int]:
 
 
 class TransformEncoder:
-    """Attitudes as tf2_msgs/TFMessage, each with one transform and no translation.
+    """Poses as tf2_msgs/TFMessage, each with one transform.
 
     Parameters
     ----------
     frame, child_frame : str
-        Frame names: an attitude takes components in ``child_frame`` to those in ``frame``.
+        Frame names: an attitude takes components in ``child_frame`` to those in ``frame``, where its origin is at the
+        position.
     """
 
     def __init__(self, frame: str, child_frame: str) -> None:
         head = ENCAPSULATION + _ONE_TRANSFORM + bytes(8) + text(frame)
         head = head.ljust(-(-len(head) // 4) * 4, b"\x00") + text(child_frame)
-        self._layout = Layout(head, [0.0] * POSE_NUMBERS, [range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
+        self._layout = Layout(head, [0.0] * POSE_NUMBERS, [range(3), range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
 
-    def encode(self, stamps_ns: Integers, attitude_xyzw: Array) -> Payloads:
+    def encode(self, stamps_ns: Integers, position: Array, attitude_xyzw: Array) -> Payloads:
         """Encode one message for each sample.
 
         Parameters
         ----------
         stamps_ns : ndarray of int64, shape (N,)
+        position : ndarray, shape (N, 3)
+            m.
         attitude_xyzw : ndarray, shape (N, 4)
 
         Returns
         -------
         Payloads
         """
-        return self._layout.encode(stamps_ns, attitude_xyzw)
+        return self._layout.encode(stamps_ns, position, attitude_xyzw)
 
 
 def encode_string(value: str) -> bytes:

@@ -89,12 +89,21 @@ class Kicks:
     def __len__(self) -> int:
         return len(self.t_ns)
 
+    @property
+    def rests(self) -> int:
+        """Number of kicks after which the body rests."""
+        return int((~self.body_rate.any(axis=1)).sum())
+
     def arcs(self, t_ns: Integers) -> Integers:
         """Numbers of the arcs at some times, ns: a kick's own time belongs to the arc after it."""
         if not self.period_ns:
             return np.asarray(np.searchsorted(self.t_ns, t_ns, side="right"))
         laps, rest = np.divmod(np.maximum(t_ns, 0), self.period_ns)
         return np.asarray(laps * len(self) + np.searchsorted(self.t_ns, rest, side="right"))
+
+    def arc(self, t_ns: int) -> int:
+        """Number of the arc at one time, ns."""
+        return int(self.arcs(np.array([t_ns]))[0])
 
     def begin_ns(self, arc: int) -> int:
         """Time at which an arc begins, ns since the start: that of its kick, or 0."""
@@ -116,7 +125,7 @@ class Kicks:
 
     def until(self, t_ns: int) -> tuple[Integers, Array]:
         """Times, ns, and body rates, rad/s, of all kicks up to a time, ns."""
-        count = int(self.arcs(np.array([t_ns]))[0])
+        count = self.arc(t_ns)
         numbers = np.arange(1, count + 1)
         return self.begins_ns(numbers), self.body_rate[(numbers - 1) % max(1, len(self))]
 

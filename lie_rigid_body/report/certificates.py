@@ -10,10 +10,12 @@ import numpy as np
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.certificate.proved import Proof
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.report import answer, figures, html_page
 from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
 from lie_rigid_body.report.recorded_motion import RecordedSegment, ResidualsOverTime
+from lie_rigid_body.scenario.facts import facts
 
 _HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 _COUNTS: Final = (99.0, 1e7)
@@ -74,9 +76,10 @@ def _verdict(certificate: Certificate) -> Iterator[str]:
     if not certificate.passed:
         yield "NOT CERTIFIED"
         yield from certificate.messages
+        if any(segment.segment.scenario.kicks for segment in certificate.segments):
+            yield from _worst(certificate, _accuracy(certificate)["attitude_worst"])
         return
     told = _accuracy(certificate)
-    worst = told["attitude_worst"]
     certified = f"CERTIFIED: attitude within {told['attitude_rad']:.2g} rad of the"
     limit = f"(limit {told['attitude_limit_rad']:.2g})"
     if certificate.is_prescribed:
@@ -86,13 +89,20 @@ def _verdict(certificate: Certificate) -> Iterator[str]:
             f"{certified} exact motion {limit}, kinetic energy to {told['kinetic_energy_relative']:.2g}, "
             f"world momentum to {told['world_momentum_relative']:.2g} (relative)."
         )
-    if worst["sample"] is not None and certificate.accuracy("attitude") != 0.0:
-        where = f" of segment {worst['segment']}" if len(certificate.segments) > 1 else ""
-        yield f"Attitude is worst at sample {worst['sample']}{where}, {worst['time_s']:.7g} s after the start."
+    yield from _worst(certificate, told["attitude_worst"])
     if certificate.to_the_bit is not None:
         yield f"It is {'' if certificate.to_the_bit else 'not '}equal to the bit to what is computed here."
     if certificate.sensors:
         yield f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}."
+
+
+def _worst(certificate: Certificate, worst: dict[str, Any]) -> Iterator[str]:
+    """Sentence that says where the attitude is worst, unless it is exact everywhere."""
+    if worst["sample"] is None or certificate.accuracy("attitude") == 0.0:
+        return
+    where = f" of segment {worst['segment']}" if len(certificate.segments) > 1 else ""
+    arc = f", in arc {worst['arc']}, which begins at {worst['arc_begin_s']:.7g} s" if "arc" in worst else ""
+    yield f"Attitude is worst at sample {worst['sample']}{where}, {worst['time_s']:.7g} s after the start{arc}."
 
 
 def _proved(proof: Proof) -> str:
@@ -144,7 +154,9 @@ def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:
         motion = f"a path through {counted(len(path), 'knot')}"
     return (
         f"Segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
-        f"from {certificate.segment.start_ns} ns, {motion}."
+        f"from {certificate.segment.start_ns} ns, {motion}"
+        + "".join(f"; {name}: {phrase}" for name, phrase in facts(scenario).items())
+        + "."
     )
 
 
@@ -241,9 +253,19 @@ def _accuracy(certificate: Certificate) -> dict[str, Any]:
             "sample": law.sample,
             "stamp_ns": law.stamp_ns,
             "time_s": segment.time_s(law),
+            **_arc(segment, law),
         },
         "to_the_bit": certificate.to_the_bit,
     }
+
+
+def _arc(certificate: SegmentCertificate, law: LawResult) -> dict[str, Any]:
+    """Number and begin of the arc of a law's worst sample, where there are kicks."""
+    kicks = certificate.segment.scenario.kick_schedule()
+    if not len(kicks) or law.stamp_ns is None:
+        return {}
+    arc = kicks.arc(law.stamp_ns - certificate.segment.start_ns)
+    return {"arc": arc, "arc_begin_s": kicks.begin_ns(arc) / NS}
 
 
 def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:

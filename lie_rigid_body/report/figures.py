@@ -34,11 +34,13 @@ from lie_rigid_body.report.recorded_motion import (
     RecordedSegment,
     ResidualsOverTime,
     extremes,
+    first_arc,
     path,
     reset_times,
     times,
     usable,
 )
+from lie_rigid_body.scenario.arcs import largest_of_arcs
 
 _POINTS: Final = 3000
 """Largest number of points of a herpolhode."""
@@ -93,7 +95,17 @@ def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     whose = " of the first segment" if len(pieces) > 1 else ""
     if film := body(first):
         yield figure(f"The body{whose}", *film, kind="body")
-    yield figure("Body rate", rate(pieces), "Angular velocity in the frame of the body.")
+    rates = [piece.states.body_rate for piece in pieces]
+    yield figure(
+        "Body rate",
+        over_time(pieces, rates, "ω<sub>{}</sub>", "body rate [rad/s]"),
+        "Angular velocity in the frame of the body.",
+    )
+    if any(piece.segment.scenario.moves for piece in pieces):
+        place = over_time(pieces, [piece.position for piece in pieces], "{}", "position [m]")
+        yield figure("Position", place, "Mass centre in the world.")
+    if first.segment.scenario.kicks:
+        whose = f" of the first moving arc{whose}"
     if across := herpolhode(first):
         seen = "ω in the world, seen along the angular momentum (cross)."
         yield grid([_polhode(first, whose), figure(f"Herpolhode{whose}", across, seen, kind="tall")], wide=True)
@@ -110,17 +122,16 @@ def _polhode(piece: RecordedSegment, whose: str) -> str:
     return f"<figure><h3>Polhode{whose}</h3>{svg(partial(polhode, piece))}{below}</figure>"
 
 
-def rate(pieces: Sequence[RecordedSegment]) -> Figure:
-    """Body rate over time."""
+def over_time(pieces: Sequence[RecordedSegment], vectors: Sequence[Array], name: str, label: str) -> Figure:
+    """Components of vectors, shape (N, 3) of each piece, over time."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
-    rates = np.concatenate([piece.states.body_rate for piece in pieces])
     few = {"mode": "markers" if len(t) <= FEW_SAMPLES else "lines", "cliponaxis": True}
     traces = [
-        _over_time(t, component, f"ω<sub>{name}</sub>", colour, **few)
-        for name, colour, component in zip("xyz", COLOURS, rates.T, strict=True)
+        _over_time(t, component, name.format(axis_name), colour, **few)
+        for axis_name, colour, component in zip("xyz", COLOURS, np.concatenate(vectors).T, strict=True)
     ]
     time = axis("time [s]", range=[0.0, float(t[-1]) or 1.0])
-    return drawn(traces, xaxis=time, yaxis=axis("body rate [rad/s]"), shapes=resets(pieces))
+    return drawn(traces, xaxis=time, yaxis=axis(label), shapes=resets(pieces))
 
 
 def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:
@@ -131,10 +142,11 @@ def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> 
 
 
 def herpolhode(piece: RecordedSegment) -> Figure | None:
-    """Path of ω in the world, seen along the angular momentum, on the invariable plane; none at rest or on a path."""
+    """Path of ω in the world, seen along the momentum of the first moving arc; none at rest or on a path."""
     scenario = piece.segment.scenario
-    states = path(piece, _POINTS)
-    momentum = scenario.body().angular_momentum(scenario.start())
+    arc, begin = first_arc(piece)
+    states = path(arc, _POINTS)
+    momentum = scenario.body().angular_momentum(begin)
     size = float(np.linalg.norm(momentum))
     fastest = scenario.rate_bound()
     if size == 0.0 or not len(states.body_rate) or scenario.path():
@@ -164,14 +176,12 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     if not len(t):
         return None
     scenario = piece.segment.scenario
-    momentum = scenario.body().angular_momentum(scenario.start())
-    momentum = momentum / (float(np.linalg.norm(momentum)) or 1.0)
-    is_free = scenario.path() is None
-    followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
-    moving = _moving(piece, states, followed)
+    _, begin = first_arc(piece)
+    momentum = scenario.body().angular_momentum(begin)
+    followed = int(np.argmax(np.abs(begin.body_rate)))
+    moving = _moving(piece, states, followed)[: -1 if scenario.path() else None]
     data = [
-        *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
-        *([_arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM)] * is_free),
+        *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=False)),
         line(
             moving[2][:, 3 * followed + 1],
             f"path of the {'xyz'[followed]} axis",
@@ -222,7 +232,7 @@ def _frames(piece: RecordedSegment) -> tuple[Array, State]:
 
 
 def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array, ...]:
-    """Points at each frame of the box, its edges, the axes, the angular velocity and the latest tips of an axis.
+    """Points at each frame of the box, its edges, the axes, the rate, the latest tips of an axis, and the momentum.
 
     Each has shape (N, M, 3), on the axes of the world, in longest sides of the box.
     """
@@ -230,6 +240,8 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
     fastest = piece.segment.scenario.rate_bound()
     box = (_CORNERS * box_sides(own.principal_moments)) @ own.principal_axes.T
     corners, axes = (quaternion.rotate(states.attitude_xyzw[:, np.newaxis], points) for points in (box, _cross(_AXIS)))
+    _, largest = largest_of_arcs(piece.segment.scenario)
+    momenta = (_ARROW / (largest or 1.0)) * own.angular_momentum(states)[:, np.newaxis]
     scale = _ARROW / fastest if fastest else 0.0
     rates = scale * quaternion.rotate(states.attitude_xyzw, states.body_rate)[:, np.newaxis]
     latest = np.maximum(0, np.arange(len(rates))[:, np.newaxis] + np.arange(-_TAIL, 1))
@@ -239,6 +251,7 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
         axes,
         np.concatenate([np.zeros_like(rates), rates], axis=1),
         axes[latest, 3 * followed + 1],
+        np.concatenate([np.zeros_like(momenta), momenta], axis=1),
     )
 
 
@@ -281,6 +294,7 @@ _LOOKS: Final = (
     ),
     _arrow(_NONE, "angular velocity ω", _RATE),
     line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
+    _arrow(_NONE, "angular momentum L, which kicks alone change", _MOMENTUM),  # not along a path
 )
 """Looks of what moves, in the order of `_moving`."""
 

@@ -75,6 +75,20 @@ def recorded_segments(bag: Bag | Recording, certificate: Certificate | None = No
     ]
 
 
+def first_arc(piece: RecordedSegment) -> tuple[RecordedSegment, State]:
+    """Samples of the first arc in which the body moves, and the state at its begin; of one that rests the last arc."""
+    scenario = piece.segment.scenario
+    kicks = scenario.kick_schedule()
+    begin = scenario.start()
+    samples: Block = piece
+    for number, places in kicks.parts(piece.stamps_ns - piece.segment.start_ns):
+        samples = piece[places]
+        begin = scenario.exact_motion().at(kicks.begin_ns(number)) if number else begin
+        if begin.body_rate.any():
+            break
+    return RecordedSegment(**{**vars(piece), **vars(samples)}), begin
+
+
 class ResidualsOverTime(Watch):
     """The largest residuals of each law over time; a `Watch` for `certify`."""
 
@@ -196,10 +210,11 @@ class Ellipsoid:
 
     @classmethod
     def of(cls, piece: RecordedSegment, most: int) -> Ellipsoid | None:
-        """Ellipsoid and polhode of the first part of a segment, of at most so many points; none at rest or on paths."""
+        """Ellipsoid and polhode of the first moving arc, of so many points at most; none at rest or on a path."""
         body = piece.segment.scenario.body()
-        energy = float(body.kinetic_energy(piece.segment.scenario.start()))
-        rates = path(piece, most).body_rate
+        arc, begin = first_arc(piece)
+        energy = float(body.kinetic_energy(begin))
+        rates = path(arc, most).body_rate
         if energy == 0.0 or not len(rates) or piece.segment.scenario.path():
             return None
         return cls(np.sqrt(2.0 * energy / body.principal_moments), rates @ body.principal_axes)

@@ -1,8 +1,8 @@
-"""The picture of a recording: body rate, drift of energy and momentum, and the polhode on the energy ellipsoid."""
+"""The picture of a recording: body rate, position, drift of energy and momentum, and the polhode of an arc."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final, cast
 
 import numpy as np
@@ -14,7 +14,6 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.wording import counted, numerals
-from lie_rigid_body.lie import vectors
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
     EYE,
@@ -28,6 +27,8 @@ from lie_rigid_body.report.recorded_motion import (
     reset_times,
     times,
 )
+from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
+from lie_rigid_body.scenario.facts import facts
 
 _MAX_DRAWN: Final = 1e300
 """Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
@@ -59,11 +60,16 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
     over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
-    rate, energy, momentum = curves = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
+    moves = any(piece.segment.scenario.moves for piece in pieces)
+    heights = (1.35, 1.0, 1.0, *([1.0] if moves else []))
+    rate, *places, energy, momentum = curves = over_time.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     whose = "first segment: " if len(pieces) > 1 else ""
-    _draw_rate(rate, pieces)
+    of_arc = "first moving arc: " if pieces[0].segment.scenario.kicks else ""
+    _draw_vectors(rate, pieces, lambda piece: piece.states.body_rate, r"\omega", "body rate [rad/s]")
+    for position in places:
+        _draw_vectors(position, pieces, lambda piece: piece.position, "", "position [m]")
     _draw_drifts(energy, momentum, pieces)
-    _draw_polhode(of_space, pieces[0], whose)
+    _draw_polhode(of_space, pieces[0], whose + of_arc)
     resets = reset_times(pieces)
     # many are short marks at the upper edge
     lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
@@ -78,37 +84,38 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     return figure
 
 
-def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
+def _draw_vectors(
+    axes: Axes, pieces: Sequence[RecordedSegment], of: Callable[[RecordedSegment], Array], symbol: str, label: str
+) -> None:
     for piece in pieces:
         t = times(piece.stamps_ns, pieces)
-        for name, colour, rates in zip("xyz", COLOURS, piece.states.body_rate.T, strict=True):
-            label = rf"$\omega_{name}$" if piece is pieces[0] else None
-            _draw_curve(axes, t, rates, colour, label, 1.4)
-    axes.set_ylabel("body rate [rad/s]")
+        for name, colour, values in zip("xyz", COLOURS, of(piece).T, strict=True):
+            component = f"${symbol}_{name}$" if symbol else f"${name}$"
+            _draw_curve(axes, t, values, colour, component if piece is pieces[0] else None, 1.4)
+    axes.set_ylabel(label)
 
 
 def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]) -> None:
-    """Draw relative changes of kinetic energy and world momentum since the start."""
+    """Draw relative changes of kinetic energy and world momentum since the start, or since the latest kick."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     drifts = np.concatenate([_drifts(piece) for piece in pieces])
     _draw_curve(energy, t, drifts[:, 0], GREY, None, 0.6)
     for name, colour, drift in zip("xyz", COLOURS, drifts[:, 1:].T, strict=True):
         _draw_curve(momentum, t, drift, colour, rf"$L_{name}$", 0.6, alpha=0.6)
-    energy.set_ylabel("energy drift\n$(H - H_0)/H_0$")
-    momentum.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
+    energy.set_ylabel("energy drift\n$(H - H_0)/H_{max}$")
+    momentum.set_ylabel("world momentum drift\n$(L - L_0)/|L|_{max}$")
     momentum.set_xlabel("time since the first sample [s]")
 
 
 def _drifts(piece: RecordedSegment) -> Array:
-    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4); NaN along a path."""
-    if piece.segment.scenario.path():
+    """Changes of energy and world momentum since the begin of the arc over the largest, shape (N, 4); NaN on a path."""
+    scenario = piece.segment.scenario
+    if scenario.path():
         return np.full((len(piece.samples), 4), np.nan)
-    body = piece.segment.scenario.body()
-    start = piece.segment.scenario.start()
-    H = float(body.kinetic_energy(start))
-    L = body.angular_momentum(start)
-    of_momentum = (body.angular_momentum(piece.states) - L) / (float(vectors.norm(L)) or 1.0)
-    return np.column_stack([(body.kinetic_energy(piece.states) - H) / (H or 1.0), of_momentum])
+    changes = arc_changes(scenario, piece.stamps_ns - piece.segment.start_ns, piece.states)
+    return np.hstack(
+        [change / (size or 1.0) for (change, _), size in zip(changes, largest_of_arcs(scenario), strict=True)]
+    )
 
 
 def _draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | None, width: float, **look: Any) -> None:
@@ -174,10 +181,11 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
     told = (
-        f"torque-free body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
+        f"{'kicked' if scenario.kicks else 'torque-free'} body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
         f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s"
     )
     samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
     if path := scenario.path():
         told = f"body on a path, {whose}through {len(path)} knots"
-    return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}"
+    others = "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
+    return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}{others}"

@@ -24,7 +24,7 @@ from lie_rigid_body.ros.publishing.announcement import announcement, farewell
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
 from lie_rigid_body.ros.publishing.publisher import CLOCK, PRIVATE_SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.recorder import Recorder
-from lie_rigid_body.ros.publishing.views import MARKERS_TOPIC, TF, Markers, Transforms
+from lie_rigid_body.ros.publishing.views import MARKERS_TOPIC, TF, TF_STATIC, Markers, Transforms
 from lie_rigid_body.ros.session import (
     OF_EVERY_NODE,
     destroying,
@@ -43,7 +43,7 @@ from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import Interruption
 
-TOPICS: Final = (POSE, TWIST, PRIVATE_SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
+TOPICS: Final = (POSE, TWIST, PRIVATE_SCENARIO, CLOCK, TF, TF_STATIC, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
 """The topics of the node beside its sensors', wanted or not: each has a type of its own, or means something else."""
 SERVICES: Final = (
     *("~/reset", "~/pause", "~/resume", "~/step"),

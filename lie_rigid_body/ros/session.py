@@ -21,7 +21,7 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 
@@ -151,6 +151,11 @@ def offered(node: Node, kind: type, topic: str, quality: QoSProfile) -> Publishe
     options = QoSOverridingOptions.with_default_policies(callback=_possible)
     with translated_errors(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
         return node.create_publisher(kind, topic, quality, qos_overriding_options=options)
+
+
+def latched(depth: int) -> QoSProfile:
+    """Quality of service of a topic whose last messages late subscribers hear as well."""
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def _possible(quality: QoSProfile) -> SetParametersResult:

@@ -299,10 +299,10 @@ class Scenario:
         if path := self.path():
             return path.rate_bound
         with np.errstate(over="ignore"):
-            return float(_rate_bounds(self.body(), self._arc_starts()).max())
+            return float(_rate_bounds(self.body(), self.arc_starts()).max())
 
-    def _arc_starts(self) -> State:
-        """The start, and the rates after K kicks, at the attitude of the start, which bounds nothing."""
+    def arc_starts(self) -> State:
+        """States of K + 1 instants: the start, and the rates after K kicks, all at the attitude of the start."""
         rates = np.concatenate([[self.initial_body_rate], self.kick_schedule().body_rate])
         return State.trusted(np.tile(self.start().attitude_xyzw, (len(rates), 1)), rates)
 
@@ -374,7 +374,7 @@ class Scenario:
             body = self.body()
             self._require_path_alone()
             self._valid_start()
-            _require_normal(body, self._arc_starts())
+            _require_normal(body, self.arc_starts())
         fastest = self.rate_bound()
         if self.motion == "moving_chart":
             self._require_possible_steps(fastest)

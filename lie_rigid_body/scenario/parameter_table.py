@@ -155,7 +155,11 @@ OWN: Final = (
     Parameter("publish_clock", "bool", False, "The node publishes /clock, in step with its samples.", scope="node"),
     Parameter("paused", "bool", False, "The node starts paused, before its first sample.", scope="node"),
     Parameter(
-        "publish_tf", "bool", True, "The node publishes /tf, where the package tf2_msgs is installed.", scope="node"
+        "publish_tf",
+        "bool",
+        True,
+        "The node publishes /tf and /tf_static, where the package tf2_msgs is installed.",
+        scope="node",
     ),
     Parameter(
         "marker_rate",

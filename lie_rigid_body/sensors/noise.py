@@ -49,6 +49,7 @@ class NoiseSource(IntEnum):
     SUN_SENSOR_WHITE = 10
     SWAY = 11
     VIBRATION = 12
+    KICKS = 13
 
 
 class Draws:

@@ -2,7 +2,7 @@
 
 The plugin is loaded by its entry point, and loads nothing heavy before a test wants a run. A test that takes the
 fixture `attitude_run` is called with a `lie_rigid_body.Run` of every shipped scenario and sensor grade, or of those
-that its marker chooses::
+that its marker chooses. Where it chooses none, scenarios of a thrown body are left out::
 
     @pytest.mark.attitude_run(scenarios=["tumbling_cubesat"], grades=["perfect", "mems"], duration=60.0)
     def test_my_filter(attitude_run):
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Set
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
@@ -112,7 +113,6 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
     from lie_rigid_body.foundation.errors import InputError
     from lie_rigid_body.foundation.wording import shown
-    from lie_rigid_body.scenario.parameter_file import scenario_files
     from lie_rigid_body.sensors import GRADES
 
     marker = metafunc.definition.get_closest_marker(FIXTURE)
@@ -125,7 +125,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         _fail(f"{once[0]}= can be read once: give a list, as several tests read it")
     if {"grades", "sensor_grade"} <= chosen.keys():
         _fail("sensor_grade= is given beside grades=: give one of them")
-    scenarios = _names(chosen, "scenarios", scenario_files())
+    scenarios = _names(chosen, "scenarios", _with_a_vertical())
     grades = _names(chosen, "grades", GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:
@@ -135,6 +135,14 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
             except InputError as error:
                 _fail(str(error))
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
+
+
+@cache
+def _with_a_vertical() -> tuple[str, ...]:
+    """Names of the shipped scenarios but those of a thrown body, in which no filter finds the vertical."""
+    from lie_rigid_body.scenario.parameter_file import gather, scenario_files
+
+    return tuple(name for name in scenario_files() if gather(name, [], []).get("translation") != "thrown")
 
 
 def _names(chosen: dict[str, Any], name: str, every: Iterable[str]) -> list[str]:
@@ -173,7 +181,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     """A simulated run of a scenario and a sensor grade, the same in every run of the tests.
 
     Tests that ask for the same run share it, so its arrays are read-only: copy what is to be changed. Without a marker
-    it lasts 30 s, with IMU and magnetometer at 100 Hz, the gyro integrated, the body held at its mass centre. The
+    it lasts 30 s, with IMU and magnetometer at 100 Hz, the gyro integrated, and gravity in the accelerometer. The
     marker ``attitude_run`` chooses scenarios and grades, and gives further arguments of `simulate`. With ``indirect``,
     ``parametrize`` does as well: pairs of a scenario and a grade, or scenarios of which the sensors are perfect.
     """

@@ -36,6 +36,19 @@ def bag(tmp_path):
     return write_bag(tmp_path / "bag.mcap")
 
 
+def test_the_arc_of_the_worst_attitude_is_told(tmp_path, capsys):
+    """Also of a bag that breaks a law, by words."""
+    kicks: dict[str, Any] = {"kicks": [1.0, 0.0, 0.0, 0.0, 2.5, 1.0, 2.0, 3.0], "kick_period": 3.0, "method": "rkmk1"}
+    bag = write_bag(tmp_path / "bag.mcap", **kicks)
+    assert main([str(bag), "--json", "--max-attitude", "1rad"]) == 0
+    worst = json.loads(capsys.readouterr().out)["certified"]["attitude_worst"]
+    begins = [0.0, 1.0, 2.5, 4.0, 5.5]
+    assert worst["arc_begin_s"] == begins[worst["arc"]] <= worst["time_s"]
+    assert worst["arc"] > 1
+    assert main([str(bag)]) == 1
+    assert f"in arc {worst['arc']}, which begins at {worst['arc_begin_s']:g} s" in capsys.readouterr().out
+
+
 def test_json_is_for_programs(bag, capsys):
     assert main([str(bag), "--json"]) == 0
     content = json.loads(capsys.readouterr().out)

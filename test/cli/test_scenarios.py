@@ -12,7 +12,6 @@ import pytest
 
 from lie_rigid_body.cli import record, scenarios
 from lie_rigid_body.cli.explain import main
-from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import scenario_files
@@ -50,11 +49,36 @@ def test_each_records_the_exact_motion(name: str, tmp_path: Path) -> None:
     assert record.main([str(out), "--scenario", name, "--duration", "20", "--quiet", *integrated]) == 0
     recording = read_bag(out)
     scenario = Segment.from_json(recording.scenario_texts[0][1]).scenario
-    exact = ClosedForm(scenario.body(), scenario.start()).at(recording.poses.stamps_ns)
+    exact = scenario.exact_motion().at(recording.poses.stamps_ns)
     error = 2.0 * np.linalg.norm(recording.poses.values[:, 3:] - exact.attitude_xyzw, axis=1)
     assert scenario.motion == "moving_chart"
     assert error.max() < 2e-9  # rad; a minute then stays far below the 1e-7 of a certificate
     assert np.abs(recording.twists.values[:, 3:] - exact.body_rate).max() < 1e-8 * np.abs(exact.body_rate).max()
+
+
+KICKS = ["-p", "kicks:=[1.5, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.3, 1.0, 0.2]"]
+
+
+def test_arcs_kicks_and_sway_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """The sway against its harmonics, added up over a thousand periods of the slowest."""
+    plain = facts(capsys, ["--scenario", "dzhanibekov"])
+    assert [arc["regime"] for arc in plain["arcs"]] == [plain["regime"]]
+    assert (plain["kicks"], plain["sway"]) == ({"count": 0, "rests": 0, "period_s": None}, None)
+    once = facts(capsys, KICKS)
+    assert [(arc["begin_s"], arc["regime"]) for arc in once["arcs"]] == [
+        *((0.0, "about_largest"), (1.5, "rest"), (2.0, "steady"), (4.0, "about_largest"))
+    ]
+    assert once["kicks"] == {"count": 3, "rests": 1, "period_s": None}
+    again = facts(capsys, [*KICKS, "-p", "kick_period:=5.0"])
+    assert [arc["begin_s"] for arc in again["arcs"]] == [0.0, 1.5, 2.0, 4.0, 6.5, 7.0, 9.0, 11.5, 12.0, 14.0]
+    assert [arc["regime"] for arc in again["arcs"][4:7]] == [arc["regime"] for arc in again["arcs"][1:4]]
+    carried = ["-p", "translation:=carried", "-p", "sway_acceleration:=[1.0, 0.0, 2.0]", "-p", "sway_band:=[0.5, 1.0]"]
+    told = facts(capsys, carried)
+    centre = Scenario(**told["parameters"]).mass_centre().at(np.arange(400_000) * 5_000_000)
+    for name, values in (("speed_m_s", centre.velocity), ("displacement_m", centre.position)):
+        values = values - values.mean(axis=0)
+        assert np.std(values, axis=0) == pytest.approx(told["sway"][f"{name}_rms"], rel=0.02)
+        assert 1.0 < told["sway"][f"{name}_at_most"] / np.linalg.norm(values, axis=1).max() < 2.5
 
 
 SEPARATRIX = ["-p", "inertia:=[3.0, 4.0, 6.0]", "-p", "initial_body_rate:=[-2.0, 3.0, 1.0]"]

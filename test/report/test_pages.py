@@ -250,6 +250,25 @@ def test_the_herpolhode_lies_where_it_must(piece: Any) -> None:
     )
 
 
+def test_a_kicked_and_carried_body_has_a_position_and_a_momentum_of_each_arc(tmp_path: Path) -> None:
+    kicks = {"initial_body_rate": [0, 0, 0], "kicks": [0.5, 0.3, 1.0, 0.2, 1.5, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0]}
+    given: dict[str, Any] = {**kicks, "translation": "thrown", "initial_velocity": [1.0, 0.0, 2.0]}
+    bag = write_bag(tmp_path / "kicked.mcap", **given)
+    [piece] = recorded_segments(read_bag(bag))
+    assert main([str(bag), "--report", str(tmp_path / "out.html")]) == 0
+    drawn = figures((tmp_path / "out.html").read_text(encoding="utf-8"))
+    assert drawn["Position"]["data"][2]["y"] == pytest.approx(piece.position[:, 2], abs=1e-3)
+    film = drawn["The body"]["film"]
+    momenta = np.array([[picture[name][5][1] for name in "xyz"] for picture in film["pictures"]])
+    sizes = np.linalg.norm(momenta, axis=1)
+    seconds = np.array([float(label.split()[0]) for label in film["times"]])
+    largest = np.linalg.norm([0.0, 4.0, 0.0])
+    for begin, end, size in ((0.0, 0.5, 0.0), (0.5, 1.5, np.linalg.norm([0.3, 2.0, 0.6])), (1.5, 2.0, 0.0)):
+        inside = (seconds > begin + 0.02) & (seconds < end - 0.02)
+        assert sizes[inside] == pytest.approx(sizes.max() * size / largest, abs=2e-3)
+        assert np.ptp(momenta[inside], axis=0) == pytest.approx(0.0, abs=2e-3)
+
+
 def test_a_long_curve_keeps_its_peaks() -> None:
     t, values = np.linspace(0.0, 7.0, 30_011), np.random.default_rng(0).normal(size=30_011)
     kept = extremes(t, values)

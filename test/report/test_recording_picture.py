@@ -16,6 +16,7 @@ from test_rewritten_bags import bag_of
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.report.recorded_motion import (
     MANY_SAMPLES,
@@ -73,6 +74,33 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
         energy = 0.5 * np.nansum(body.principal_moments[:, np.newaxis] * points**2, axis=0)
         drawn = ~np.isnan(points).any(axis=0)
         np.testing.assert_allclose(energy[drawn], body.kinetic_energy(start), rtol=1e-12)
+
+
+KICKED: dict[str, Any] = {
+    "initial_body_rate": [0.0, 0.0, 0.0],
+    "kicks": [1.0, 0.4, -1.2, 0.7, 2.0, 0.0, 0.0, 0.0, 2.5, 3.0, 0.0, -1.0],
+    "translation": "carried",
+    "initial_position": [5.0, 0.0, 0.0],
+    "sway_acceleration": [1.0, 2.0, 3.0],
+}
+
+
+def test_of_a_kicked_body_each_arc_keeps_its_own_energy_and_the_first_that_moves_is_on_its_ellipsoid(tmp_path):
+    recording = read_bag(write_bag(tmp_path / "bag.mcap", **KICKED))
+    [piece] = recorded_segments(recording)
+    figure = draw([piece])
+    _, position, energy, momentum, _ = figure.axes
+    for drift in (energy, momentum):
+        assert max(np.abs(line.get_ydata()).max() for line in drift.get_lines()) < 1e-13
+    for i, line in enumerate(position.get_lines()):
+        np.testing.assert_array_equal(line.get_ydata(), recording.poses.values[:, i])
+    assert "[m]" in position.get_ylabel()
+    found: Any = Ellipsoid.of(piece, 1000)
+    np.testing.assert_array_equal(found.polhode, piece.states.body_rate[100:200])
+    assert 0.5 * np.array([1.0, 2.0, 3.0]) @ found.radii**2 / 3.0 == pytest.approx(0.5 * (0.16 + 2.88 + 1.47))
+    grown = replace(piece, states=State.trusted(piece.states.attitude_xyzw, 1.01 * piece.states.body_rate))
+    drifts: Any = draw([grown]).axes[2].get_lines()[0].get_ydata()
+    assert np.abs(drifts[250:]).max() == pytest.approx(0.0201, rel=1e-3)  # of the fastest arc
 
 
 @pytest.mark.parametrize(

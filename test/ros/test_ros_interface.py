@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -28,8 +30,9 @@ if find_spec("rclpy"):
     from geometry_msgs.msg import PoseStamped, Twist
     from peer import LATCHED, NODE, Peer
     from rcl_interfaces.msg import Parameter as ParameterMessage
-    from rcl_interfaces.msg import ParameterValue
+    from rcl_interfaces.msg import ParameterType, ParameterValue
     from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
+    from rclpy.parameter import Parameter
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
@@ -76,9 +79,35 @@ def test_integers_stand_for_doubles(observer: Peer) -> None:
     assert isinstance(rate, float)
 
 
+def test_kicks_may_become_more_and_none(observer: Peer) -> None:
+    """rclpy takes an empty list for one of bytes, whoever sends it."""
+    [described] = observer.wait_for(observer.parameters().describe_parameters(["kicks"])).descriptors
+    assert described.type == ParameterType.PARAMETER_DOUBLE_ARRAY
+    one, two = [0.5, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0, 1.5, 1.0, -2.0, 3.0]
+    scenarios = observer.listen(String, "/lie_rigid_body/scenario", LATCHED)
+    for number, kicks in enumerate(([], one, two, [], one, []), 2):
+        [result] = observer.wait_for(observer.parameters().set_parameters([Parameter("kicks", value=kicks)])).results
+        assert result.successful, result.reason
+        assert list(observer.values("kicks")[0]) == kicks
+        assert observer.call("reset").success
+        observer.spin_until(lambda count=number: len(scenarios) >= count, "the new scenario")  # type: ignore[misc]
+        assert list(Segment.from_json(scenarios[-1].data).scenario.kicks) == kicks
+    if shutil.which("ros2"):  # which takes an empty list for one of truth values
+        for given in ("[]", str(two), "[]"):
+            done = subprocess.run(
+                ["ros2", "param", "set", NODE, "kicks", given], capture_output=True, timeout=DEADLINE, check=False
+            )
+            assert (done.returncode, list(observer.values("kicks")[0])) == (0, json.loads(given))
+
+
 @pytest.mark.parametrize(
     ("changes", "wrong"),
     [
+        ({"kicks": [1.0, 2.0]}, "kicks: "),
+        ({"kicks": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]}, "kicks: kick 2 "),
+        ({"kicks": [3.0, 0.0, 0.0, 0.0], "kick_period": 2.0}, "kick_period: 2 "),
+        ({"translation": "flown"}, "translation: 'flown' "),
+        ({"sway_band": [2.0, 1.0]}, "sway_band: "),
         ({"rate": -1.0}, "rate: -1 "),
         ({"inertia": [1.0, 1.0, 3.0]}, "inertia: "),
         ({"method": "rkmk4", "max_step": 10.0, "rate": 0.01}, "max_step: "),

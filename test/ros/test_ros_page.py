@@ -44,8 +44,11 @@ def full_name(name: str) -> str:
     return f"/lie_rigid_body{name[1:]}" if name.startswith("~") else f"/{name.lstrip('/')}"
 
 
+OF_TF = {"/tf", "/tf_static"}
+
+
 def there(name: str) -> bool:
-    return name != "/tf" or find_spec("tf2_msgs") is not None
+    return name not in OF_TF or find_spec("tf2_msgs") is not None
 
 
 def test_topics_have_their_types(observer: Peer) -> None:
@@ -112,8 +115,9 @@ def test_rosbag2_keeps_all_of_what_the_node_offers(observer: Peer) -> None:
     told, heard = rosbag2_profiles(), {}
     kept = [full_name(t) for topics, *_, n, _ in rows("## Quality of service") for t in names(topics) if n != "last 10"]
     assert set(told) == set(kept)
-    told.pop("/tf")  # of which there are publishers only where tf2_msgs is installed
     for topic, profile in told.items():
+        if topic in OF_TF:  # of which there are publishers only where tf2_msgs is installed
+            continue
         assert profile.history == HistoryPolicy.KEEP_ALL
         [offered] = observer.publishers(topic)
         assert (profile.reliability, profile.durability) == (
@@ -159,7 +163,7 @@ def allowed(kind: str, deed: str) -> set[str]:
 def offered(kind: str, deed: str) -> set[str]:
     """What the policy allows, with the parts of actions, less what is there only with packages that are missing."""
     parts = {f"{action}/_action/{name}" for action in allowed("action", "execute") for name in OF_AN_ACTION[deed]}
-    missing = set() if find_spec("tf2_msgs") else {"/tf"}
+    missing = set() if find_spec("tf2_msgs") else OF_TF
     missing |= set() if find_spec("simulation_interfaces") else STANDARD | parts
     return (allowed(kind, deed) | parts) - missing
 

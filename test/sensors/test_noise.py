@@ -60,6 +60,7 @@ def test_source_numbers_are_these_for_ever() -> None:
         "SUN_SENSOR_WHITE": 10,
         "SWAY": 11,
         "VIBRATION": 12,
+        "KICKS": 13,
     }
 
 

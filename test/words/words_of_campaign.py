@@ -104,6 +104,8 @@ DISTRIBUTIONS = [
     {"distribution": "direction", "norm": -1},
     {"distribution": "direction", "norm": {"distribution": "choice", "values": ["a"]}},
     {"distribution": "direction", "norm": {"distribution": "choice", "values": [math.inf]}},
+    {"distribution": "random_kicks", "interval": 0},
+    {"distribution": "random_kicks", "interval": [1, 2]},
 ]
 
 

@@ -70,9 +70,17 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         self._node = node
         values = read_parameters({**given, **overrides(node)})
         values.update(live_scenario(values).parameters())
+        first = [_as_ros(each, values[each.name]) for each in PARAMETERS]
+        # rclpy takes an empty list for one of bytes: what may be set later is declared by its type, and set after that
+        doubles = [given for given in first if given.type_ == RosParameter.Type.DOUBLE_ARRAY]
+        empty = [given for given in doubles if not given.value and given.name not in FIXED]
+        declared = [given.type_ if given in empty else given.value for given in first]
         node.declare_parameters(
-            "", [(each.name, _as_ros(values[each.name]), descriptor(each)) for each in PARAMETERS], ignore_override=True
+            "",
+            [(each.name, given, descriptor(each)) for each, given in zip(PARAMETERS, declared, strict=True)],
+            ignore_override=True,
         )
+        node.set_parameters(empty)
         super().__init__(node)
 
     def values(self) -> dict[str, Any]:
@@ -119,12 +127,13 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         if not self._node.has_parameter(name):
             raise InputError(f"{name}: no such parameter: {suggestion(name, BY_NAME, 'parameters')}")
         given = RosParameter.from_parameter_msg(change)
-        return RosParameter(name, value=_as_ros(BY_NAME[name].read(given.value))) if name in BY_NAME else given
+        return _as_ros(BY_NAME[name], BY_NAME[name].read(given.value)) if name in BY_NAME else given
 
 
-def _as_ros(value: Value) -> Any:
-    """A value as rclpy wants it, with lists."""
-    return list(value) if isinstance(value, tuple) else value
+def _as_ros(parameter: Parameter, value: Value) -> RosParameter:
+    """A value as rclpy wants it, with lists, which may be empty."""
+    kind = RosParameter.Type.DOUBLE_ARRAY if parameter.kind == "double_array" else None
+    return RosParameter(parameter.name, kind, list(value) if isinstance(value, tuple) else value)
 
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:

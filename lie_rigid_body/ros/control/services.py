@@ -28,6 +28,7 @@ from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import numerals, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.motion.translation import MassCentre
 from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
 from lie_rigid_body.scenario import Scenario
 
@@ -54,7 +55,7 @@ FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
 its info, reset, and reset of the state. They are also getting and setting of the simulation's state, pause, one step,
 many steps, their action. All others are unsupported, and have no service: spawning, deleting, named poses, bounds,
 tags, infos, worlds."""
-CUSTOM_INFO: Final = "a torque-free rigid body; resets keep stamps rising; positions are 0"
+CUSTOM_INFO: Final = "a rigid body, torque-free between kicks; resets keep stamps rising"
 PLAIN_SERVICES: Final = (
     *("GetSimulatorFeatures", "ResetSimulation", "GetSimulationState", "SetSimulationState"),
     *("GetEntities", "GetEntityInfo", "GetEntityState", "SetEntityState"),
@@ -317,22 +318,30 @@ class StandardServices:
 
     def _with_state(self, message: Any) -> Any:
         """A simulation_interfaces/EntityState, filled with the latest state of the body."""
-        stamp_ns, state = self._run.ask(lambda: self._run.latest)
-        scenario = self._run.segment.scenario
+        scenario, stamp_ns, state, centre = self._latest()
         attitude = state.attitude_xyzw
         message.header.frame_id = scenario.world_frame
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, NS)
         acceleration = scenario.body().angular_acceleration(state)
         if path := scenario.path():
             acceleration = path.angular_acceleration(np.array([stamp_ns - self._run.segment.start_ns]))[0]
+        _fill(message.pose.position, centre.position)
         _fill(message.pose.orientation, attitude)
+        _fill(message.twist.linear, centre.velocity)
         _fill(message.twist.angular, quaternion.rotate(attitude, state.body_rate))
+        _fill(message.acceleration.linear, centre.acceleration)
         _fill(message.acceleration.angular, quaternion.rotate(attitude, acceleration))
         return message
 
+    def _latest(self) -> tuple[Scenario, int, State, MassCentre]:
+        """The scenario, and stamp (ns), state and mass centre of the latest sample."""
+        segment, (stamp_ns, state) = self._run.ask(lambda: (self._run.segment, self._run.latest))
+        centre = segment.scenario.mass_centre().at(np.array([stamp_ns - segment.start_ns]))
+        return segment.scenario, stamp_ns, state, centre[0]
+
     @_answering
     def set_entity_state(self, request: Any, response: Any) -> None:
-        """Begin a new segment from any attitude and angular velocity, given in the world frame or without a frame."""
+        """Begin a new segment from any pose and twist, given in the world frame or without a frame."""
         self._require_known(request.entity)
         if self._run.segment.scenario.path():
             raise LieRigidBodyError("motion path prescribes the state: set motion to another, and reset")
@@ -348,27 +357,41 @@ class StandardServices:
         try:
             self._run.ask(self._run.reset_to, self._changed(pose, twist))
         except ParameterError as error:
-            if error.name.endswith("attitude_xyzw"):
+            if error.name.endswith(("attitude_xyzw", "initial_position")):
                 raise RefusedError(INVALID_POSE, str(error)) from None
             raise
 
-    def _changed(self, pose: Any | None, twist: Any | None) -> State:
-        """The latest state with another pose, and another twist; what is None stays as it is."""
-        _, present = self._run.ask(lambda: self._run.latest)
+    def _changed(self, pose: Any | None, twist: Any | None) -> dict[str, object]:
+        """Parameters of the latest state with another pose, and another twist; what is None goes on as it is.
+
+        The velocity of a sway is no part of ``initial_velocity``, which stays that of the scenario.
+        """
+        scenario, _, present, centre = self._latest()
         attitude = present.attitude_xyzw
         rate = present.body_rate
+        position = centre.position.tolist()
+        is_carried = scenario.translation == "carried"
+        velocity = list(scenario.initial_velocity) if is_carried else centre.velocity.tolist()
         if pose is not None:
-            if any(position := _components(pose.position)):
-                raise RefusedError(INVALID_POSE, f"position {position} is not 0, where the mass centre stays: give 0")
+            position = _components(pose.position)
             attitude = State(_components(pose.orientation), rate).attitude_xyzw
         if twist is not None:
-            if any(linear := _components(twist.linear)):
-                raise LieRigidBodyError(f"linear velocity {linear} is not 0: give 0, the mass centre stays")
+            velocity = _components(twist.linear)
+            if scenario.translation == "none" and any(velocity):
+                raise LieRigidBodyError(
+                    f"linear velocity {velocity} is not 0, and translation none moves no mass centre: give 0, or set "
+                    "translation to thrown or carried and reset"
+                )
             angular = _components(twist.angular)
             if not np.all(np.isfinite(angular)):
                 raise LieRigidBodyError(f"angular velocity {angular} is not finite: give numbers")
             rate = quaternion.rotate(quaternion.conjugate(attitude), angular)
-        return State(attitude, rate)
+        return {
+            "initial_attitude_xyzw": State(attitude, rate).attitude_xyzw.tolist(),
+            "initial_body_rate": rate.tolist(),
+            "initial_position": position,
+            "initial_velocity": velocity,
+        }
 
     def _require_known(self, entity: str) -> None:
         if entity != self._entity:

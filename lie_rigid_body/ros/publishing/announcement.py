@@ -14,6 +14,7 @@ from lie_rigid_body.mechanics.top import kind_of_top
 from lie_rigid_body.messages.batch import POSE, TWIST, sensor_topics
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.facts import facts
 
 
 def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, record_path: str) -> str:
@@ -31,10 +32,12 @@ def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, reco
     """
     sensors = " ".join(names[topic] for topic in sensor_topics(scenario.sensors))
     twist = "TwistStamped" if scenario.stamped_twist else "Twist"
+    kind = "path" if scenario.path() else f"{'kicked' if scenario.kicks else 'torque-free'} rigid body"
     lines = [
-        f"{names['~']} simulates a {'path' if scenario.path() else 'torque-free rigid body'}",
+        f"{names['~']} simulates a {kind}",
         *([] if scenario.path() else _body_and_start(scenario)),
-        f"  motion    {_motion(scenario)}",
+        f"  motion      {_motion(scenario)}",
+        *(f"  {name:<11} {phrase}" for name, phrase in facts(scenario).items()),
         f"publishes {scenario.rate:g} times a second, in ROS domain {domain}",
         f"  {names[POSE]}  PoseStamped in {scenario.world_frame}",
         f"  {names[TWIST]}  {twist} in {scenario.body_frame}",
@@ -79,8 +82,8 @@ def shape(body: RigidBody) -> str:
 def _body_and_start(scenario: Scenario) -> list[str]:
     """Lines about the body and its start."""
     return [
-        f"  body      {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
-        f"  start     body rate {_numbers(scenario.initial_body_rate)} rad/s, "
+        f"  body        {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
+        f"  start       body rate {_numbers(scenario.initial_body_rate)} rad/s, "
         f"attitude {_numbers(scenario.initial_attitude_xyzw)} (x y z w)",
     ]
 

@@ -14,6 +14,7 @@ from std_msgs.msg import Header
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
 from lie_rigid_body.simulation import Segment
 
 DIAGNOSTICS_TOPIC: Final = "/diagnostics"
@@ -25,7 +26,7 @@ MAX_DRIFT: Final = 1e-6
 
 
 class Diagnostics(Sink):
-    """A sink that reports the rate, the lateness, and the drift of energy and momentum since the last reset.
+    """A sink that reports the rate, the lateness, and the drift of energy and momentum since the last reset or kick.
 
     Parameters
     ----------
@@ -45,14 +46,14 @@ class Diagnostics(Sink):
         self._due_ns = self._before[0]
 
     def begin_segment(self, segment: Segment) -> None:
-        """Take the scenario, of whose initial state energy and momentum are conserved in this segment."""
-        self._scenario = segment.scenario
-        self._state = segment.scenario.start()
+        """Take the scenario, by whose start and kicks energy and momentum are known all along this segment."""
+        self._segment = segment
+        self._latest = segment.start_ns, segment.scenario.start()
 
     def write(self, batch: Batch) -> None:
         """Keep the latest state."""
         if len(batch.samples):
-            self._state = batch.samples.states[-1]
+            self._latest = int(batch.samples.stamps_ns[-1]), batch.samples.states[-1]
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Publish a report when a second has passed since the last."""
@@ -69,31 +70,34 @@ class Diagnostics(Sink):
     def _status(self, steady_ns: int, punctuality: Punctuality) -> Status:
         then_ns, before = self._before
         missed = punctuality.missed - before.missed
-        energy, momentum = (0.0, 0.0) if self._scenario.path() else self.drifts()
+        energy, momentum = (0.0, 0.0) if self._segment.scenario.path() else self.drifts()
         values = {
             "samples per second": f"{(punctuality.sent - before.sent) * NS / max(1, steady_ns - then_ns):.6g}",
-            "samples per second of simulated time": f"{self._scenario.rate:g}",
+            "samples per second of simulated time": f"{self._segment.scenario.rate:g}",
             "samples sent": str(punctuality.sent),
             "lateness of the latest sample (ms)": f"{punctuality.lateness_ns / 1e6:.3f}",
             "worst lateness so far (ms)": f"{punctuality.worst_ns / 1e6:.3f}",
             "missed deadlines in this interval": str(missed),
             "missed deadlines so far": str(punctuality.missed),
         }
-        if not self._scenario.path():
-            values["energy drift since the last reset (relative)"] = f"{energy:.2e}"
-            values["momentum drift since the last reset (relative)"] = f"{momentum:.2e}"
+        if not self._segment.scenario.path():
+            values["energy drift since the last reset or kick (relative)"] = f"{energy:.2e}"
+            values["momentum drift since the last reset or kick (relative)"] = f"{momentum:.2e}"
         return *_judgement(self._failure, missed, max(energy, momentum)), values
 
     def drifts(self) -> tuple[float, float]:
-        """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
-        body = self._scenario.body()
-        states = (self._scenario.start(), self._state)
-        energies = [float(body.kinetic_energy(state)) for state in states]
-        momenta = [body.angular_momentum(state) for state in states]
-        size = float(np.linalg.norm(momenta[0]))
-        if not (energies[0] and size):
+        """Changes of the kinetic energy and of the angular momentum (world frame) since the last reset or kick.
+
+        They are relative to the largest right after any of them in the segment.
+        """
+        scenario = self._segment.scenario
+        stamp_ns, state = self._latest
+        largest = largest_of_arcs(scenario)
+        if not all(largest):
             return 0.0, 0.0
-        return abs(energies[1] / energies[0] - 1.0), float(np.linalg.norm(momenta[1] - momenta[0])) / size
+        changes = arc_changes(scenario, np.array([stamp_ns - self._segment.start_ns]), state)
+        energy, momentum = (float(np.linalg.norm(change)) for change, _ in changes)
+        return energy / largest[0], momentum / largest[1]
 
 
 def _judgement(failure: str, missed: int, drift: float) -> tuple[bytes, str]:

@@ -12,7 +12,7 @@ from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
@@ -20,7 +20,7 @@ from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
-from lie_rigid_body.ros.session import message_class, offered
+from lie_rigid_body.ros.session import latched, message_class, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, MAX_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
@@ -92,7 +92,7 @@ class SamplePublisher(Sink):
         self.publishers: dict[str, Publisher] = {}
         self._add(POSE, PoseStamped, self._quality())
         self._add(TWIST, TwistStamped if stamped_twist else Twist, self._quality())
-        self._add(PRIVATE_SCENARIO, String, _latched(1))
+        self._add(PRIVATE_SCENARIO, String, latched(1))
         if clock:
             self._add(CLOCK, Clock, self._quality(CLOCK_DEPTH))
         self._clock_ns = 0
@@ -110,7 +110,7 @@ class SamplePublisher(Sink):
 
     def _add_sensors(self, sensors: Sensors) -> None:
         for topic in sensor_topics(sensors):
-            quality = _latched(DEPTH) if topic == FAULTS_TOPIC else self._quality()
+            quality = latched(DEPTH) if topic == FAULTS_TOPIC else self._quality()
             self._add(topic, message_class(SENSOR_TOPICS[topic]), quality)
 
     def _add(self, topic: str, kind: type, quality: QoSProfile) -> None:
@@ -190,8 +190,3 @@ class SamplePublisher(Sink):
 def clock_bytes(stamp_ns: int) -> bytes:
     """The bytes of a rosgraph_msgs/Clock."""
     return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
-
-
-def _latched(depth: int) -> QoSProfile:
-    """The quality of service of a topic whose last messages late subscribers hear as well."""
-    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)

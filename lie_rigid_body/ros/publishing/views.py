@@ -1,6 +1,6 @@
-"""Topics that RViz and Foxglove show: ``/tf``, the body's frame in the world, and ``markers``.
+"""Topics that RViz and Foxglove show: ``/tf``, the body's frame in the world, ``/tf_static``, and ``markers``.
 
-The body is a box, its angular momentum and velocity are arrows, and the polhode is a line.
+The body is a box, its angular momentum and velocity are arrows, and the polhode since the latest kick is a line.
 """
 
 from __future__ import annotations
@@ -24,15 +24,16 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.session import offered
+from lie_rigid_body.ros.session import latched, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 TF: Final = "/tf"
+TF_STATIC: Final = "/tf_static"
 TRANSFORMS_KEPT: Final = 100
 MARKERS_TOPIC: Final = "markers"
 ARROW: Final = 1.0
-"""Length of the arrows at the start of a segment, m."""
+"""Length, m, of the arrows of the largest rate and momentum, right after the start or a kick of a segment."""
 TRAIL: Final = 600
 """Most points of the polhode's line."""
 BODY_COLOUR: Final = ColorRGBA(r=0.35, g=0.55, b=0.85, a=0.6)
@@ -42,7 +43,7 @@ POLHODE_COLOUR: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
 
 
 class Transforms(Sink):
-    """A sink that publishes each attitude as a transform, if tf2_msgs is installed.
+    """A sink that publishes each pose as a transform, and where the IMU is on the body, if tf2_msgs is installed.
 
     Parameters
     ----------
@@ -54,14 +55,25 @@ class Transforms(Sink):
 
         qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
         self._publisher = offered(node, TFMessage, TF, qos)
+        self._fixed = offered(node, TFMessage, TF_STATIC, latched(1))
 
     def begin_segment(self, segment: Segment) -> None:
-        """Take the names of the frames."""
-        self._encoder = TransformEncoder(segment.scenario.world_frame, segment.scenario.body_frame)
+        """Take the names of the frames, and publish where that of the IMU is in the body's, unless they are one."""
+        scenario = segment.scenario
+        self._resting = scenario.initial_position
+        self._encoder = TransformEncoder(scenario.world_frame, scenario.body_frame)
+        imu_frame = scenario.frame("imu_frame")
+        if scenario.has_sensors and imu_frame != scenario.body_frame:
+            pose = np.array([scenario.value("accelerometer_lever_arm")]), np.array([[0.0, 0.0, 0.0, 1.0]])
+            mount = TransformEncoder(scenario.body_frame, imu_frame)
+            self._fixed.publish(mount.encode(np.array([segment.start_ns]), *pose)[0])
 
     def write(self, batch: Batch) -> None:
         """Publish a transform for each sample."""
-        for payload in self._encoder.encode(batch.samples.stamps_ns, batch.samples.states.attitude_xyzw):
+        samples = batch.samples
+        resting = np.broadcast_to(self._resting, (len(samples), 3))
+        position = resting if samples.centre is None else samples.centre.position
+        for payload in self._encoder.encode(samples.stamps_ns, position, samples.states.attitude_xyzw):
             self._publisher.publish(payload)
 
 
@@ -87,12 +99,14 @@ class Markers(Sink):
     def begin_segment(self, segment: Segment) -> None:
         """Take the body, and begin a new polhode."""
         scenario = segment.scenario
-        start = scenario.start()
+        starts = scenario.arc_starts()
         body = scenario.body()
+        self._segment = segment
         self._frame = scenario.world_frame
         self._body = body
-        self._rate_scale = _scale(start.body_rate)
-        self._momentum_scale = 0.0 if scenario.path() else _scale(body.body_momentum(start))
+        self._rate_scale = _scale(starts.body_rate)
+        self._momentum_scale = 0.0 if scenario.path() else _scale(body.body_momentum(starts))
+        self._arc = 0
         self._trail.clear()
 
     def write(self, batch: Batch) -> None:
@@ -106,13 +120,21 @@ class Markers(Sink):
             return FOREVER
         if steady_ns >= self._due_ns:
             stamp_ns, state = self._latest
+            scenario = self._segment.scenario
+            elapsed_ns = stamp_ns - self._segment.start_ns
+            arc = scenario.kick_schedule().arc(elapsed_ns)
+            if arc != self._arc:  # a kick begins another polhode
+                self._trail.clear()
+                self._arc = arc
             self._trail.append((state.body_rate * self._rate_scale).tolist())
             if self._publisher.get_subscription_count():
-                self._publisher.publish(self._picture(stamp_ns, state))
+                [position] = scenario.mass_centre().at(np.array([elapsed_ns])).position
+                self._publisher.publish(self._picture(stamp_ns, state, position))
             self._due_ns = steady_ns + self._interval_ns
         return self._due_ns - steady_ns
 
-    def _picture(self, stamp_ns: int, state: State) -> MarkerArray:
+    def _picture(self, stamp_ns: int, state: State, position: Array) -> MarkerArray:
+        centre = _message(Point, position)
         attitude = state.attitude_xyzw
         rate = quaternion.rotate(attitude, state.body_rate) * self._rate_scale
         momentum = self._body.angular_momentum(state) * self._momentum_scale
@@ -125,7 +147,7 @@ class Markers(Sink):
             Marker.CUBE,
             stamp_ns,
             BODY_COLOUR,
-            pose=Pose(orientation=_message(Quaternion, quaternion.multiply(attitude, axes))),
+            pose=Pose(position=centre, orientation=_message(Quaternion, quaternion.multiply(attitude, axes))),
             scale=_message(Vector3, sides),
         )
         polhode = self._marker(
@@ -134,29 +156,29 @@ class Markers(Sink):
             Marker.LINE_STRIP,
             stamp_ns,
             POLHODE_COLOUR,
-            pose=Pose(orientation=_message(Quaternion, attitude)),
+            pose=Pose(position=centre, orientation=_message(Quaternion, attitude)),
             scale=Vector3(x=0.01),
             points=[_message(Point, point) for point in self._trail],
         )
         arrows = (
-            self._arrow(1, "momentum", stamp_ns, MOMENTUM_COLOUR, momentum),
-            self._arrow(2, "angular velocity", stamp_ns, RATE_COLOUR, rate),
+            self._arrow(1, "momentum", stamp_ns, MOMENTUM_COLOUR, [position, position + momentum]),
+            self._arrow(2, "angular velocity", stamp_ns, RATE_COLOUR, [position, position + rate]),
         )
         return MarkerArray(markers=[body, *arrows, polhode])
 
-    def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, tip: Array) -> Marker:
-        ends = [Point(), _message(Point, tip)]
+    def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, ends: list[Array]) -> Marker:
+        points = [_message(Point, end) for end in ends]
         widths = Vector3(x=0.03, y=0.06, z=0.1)
-        return self._marker(number, name, Marker.ARROW, stamp_ns, color, points=ends, scale=widths)
+        return self._marker(number, name, Marker.ARROW, stamp_ns, color, points=points, scale=widths)
 
     def _marker(self, number: int, name: str, kind: int, stamp_ns: int, color: ColorRGBA, **fields: Any) -> Marker:
         header = Header(frame_id=self._frame, stamp=Time(sec=stamp_ns // NS, nanosec=stamp_ns % NS))
         return Marker(header=header, ns=name, id=number, type=kind, action=Marker.ADD, color=color, **fields)
 
 
-def _scale(vector: Array) -> float:
-    """The factor that makes a vector as long as an arrow; 0 for the zero vector."""
-    size = float(np.linalg.norm(vector))
+def _scale(vectors: Array) -> float:
+    """The factor that makes the largest of some vectors as long as an arrow; 0 where all are zero."""
+    size = float(np.linalg.norm(vectors, axis=1).max())
     return ARROW / size if size else 0.0
 
 

@@ -207,20 +207,16 @@ class LiveRun:
         self._begin(segment)
         return segment
 
-    def reset_to(self, state: State) -> Segment:
-        """Begin a new segment of the present scenario from another initial state.
+    def reset_to(self, changes: Mapping[str, object]) -> Segment:
+        """Begin a new segment of the present scenario with some parameters changed.
 
         Raises
         ------
         LieRigidBodyError
-            If the scenario is not valid with that state.
+            If the scenario is not valid with them.
         """
         present = self._simulation.segment.scenario
-        given = {
-            **present.parameters(),
-            "initial_attitude_xyzw": state.attitude_xyzw.tolist(),
-            "initial_body_rate": state.body_rate.tolist(),
-        }
+        given = {**present.parameters(), **changes}
         return self.reset(live_scenario(given).resampled(epoch_ns=present.epoch_ns))
 
     def pause(self) -> int:

@@ -36,11 +36,11 @@ SCENARIO = Scenario.from_parameters({"motion": "closed_form", "rate": 1000.0, **
 class Simulator:
     """A run in a thread of its own, and the services in front of it."""
 
-    def __init__(self, interruption: Interruption, mailbox: Mailbox, *, paused: bool) -> None:
+    def __init__(self, interruption: Interruption, mailbox: Mailbox, scenario: Scenario, *, paused: bool) -> None:
         self.interruption = interruption
         self.sink = KeepingSink(interruption, 2**63)
-        self.live = LiveRun(Simulation(SCENARIO, EPOCH), [self.sink], mailbox, interruption, paused=paused)
-        self.services = StandardServices(self.live, lambda: SCENARIO, NAME)
+        self.live = LiveRun(Simulation(scenario, EPOCH), [self.sink], mailbox, interruption, paused=paused)
+        self.services = StandardServices(self.live, lambda: scenario, NAME)
 
     def ask(self, service: str, **request: Any) -> Any:
         return getattr(self.services, service)(SimpleNamespace(**request), RESPONSES[service]())
@@ -61,9 +61,10 @@ class Simulator:
 
 
 @contextmanager
-def running(*, paused: bool) -> Iterator[Simulator]:
+def running(*, paused: bool, **given: object) -> Iterator[Simulator]:
     interruption, mailbox = Interruption(), Mailbox()
-    simulator = Simulator(interruption, mailbox, paused=paused)
+    scenario = Scenario.from_parameters({**SCENARIO.parameters(), **given})
+    simulator = Simulator(interruption, mailbox, scenario, paused=paused)
     thread = Thread(target=simulator.live.run, daemon=True)
     thread.start()
     simulator.live.ask(lambda: None)  # it has begun

@@ -72,6 +72,24 @@ def test_a_report_a_second(diagnostics: Diagnostics, published: list[Any]) -> No
     assert values(second)["missed deadlines so far"] == "3"
 
 
+def test_a_kick_is_no_drift_and_a_drift_after_it_is(diagnostics: Diagnostics, published: list[Any]) -> None:
+    """Also of a body that rests, whose own energy is 0."""
+    kicks = [0.5, 0.0, 0.0, 0.0, 1.0, 3.0, -1.0, 2.0]
+    kicked = Scenario.from_parameters({**SCENARIO.parameters(), "kicks": kicks})
+    simulation = Simulation(kicked, NS)
+    diagnostics.begin_segment(simulation.segment)
+    diagnostics.tick(0, Punctuality())
+    for k in range(1, 6):  # the last sample is at 0.4, 0.9, ... s
+        samples = simulation.take(20 if k == 1 else 25)
+        diagnostics.write(BatchEncoder(kicked).encode(SimulationStep(samples)))
+        diagnostics.tick(k * NS, Punctuality())
+    assert [report.status[0].level for report in published] == [OK] * 5
+    last = samples[-1:]
+    faster = State(last.states.attitude_xyzw, (1.0 + MAX_DRIFT) * last.states.body_rate)
+    diagnostics.write(BatchEncoder(kicked).encode(SimulationStep(type(last)(last.stamps_ns, faster))))
+    assert diagnostics.drifts() == pytest.approx((2.0 * MAX_DRIFT, MAX_DRIFT), rel=1e-2)
+
+
 @pytest.mark.parametrize(("drift", "level"), [(0.0, OK), (0.1, OK), (10.0, ERROR)])
 def test_a_motion_that_drifts_is_an_error(
     diagnostics: Diagnostics, published: list[Any], drift: float, level: bytes
@@ -84,7 +102,7 @@ def test_a_motion_that_drifts_is_an_error(
     diagnostics.tick(NS, Punctuality())
     [report] = published
     assert report.status[0].level == level
-    momentum = float(values(report)["momentum drift since the last reset (relative)"])
+    momentum = float(values(report)["momentum drift since the last reset or kick (relative)"])
     assert momentum == pytest.approx(drift * MAX_DRIFT, rel=1e-2, abs=1e-15)
-    energy = float(values(report)["energy drift since the last reset (relative)"])
+    energy = float(values(report)["energy drift since the last reset or kick (relative)"])
     assert energy == pytest.approx(2.0 * drift * MAX_DRIFT, rel=1e-2, abs=1e-15)

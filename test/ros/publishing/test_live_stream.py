@@ -6,6 +6,7 @@ import signal
 import time
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ from broken_bag import stamps_in_whole_chunks
 from mcap.reader import make_reader
 from simulator_process import CATCHING_UP, RawClient, SimulatorProcess, assignments, eventually
 
-from lie_rigid_body import ClosedForm
+from lie_rigid_body import ClosedForm, simulate
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.simulation import Segment
 
@@ -42,6 +44,49 @@ def require_heard_as_recorded(seen: dict[str, list[bytes]], bag: Path) -> None:
     for topic in TOPICS:  # the client hears each from some sample on
         assert 100 < len(seen[topic]) <= len(sent[topic])
         assert seen[topic] == sent[topic][-len(seen[topic]) :], topic
+
+
+def test_a_kicked_and_carried_body_is_live_what_it_is_simulated(peer: Peer, tmp_path: Path) -> None:
+    """Poses and twists as another process hears them, to the last bit; their bag is certified."""
+    bag = tmp_path / "live.mcap"
+    given: dict[str, Any] = {
+        "kicks": [0.21, 1.0, -2.0, 0.5, 0.43, 0.0, 0.0, 0.0, 0.6, 0.1, 0.2, 3.0],
+        "kick_period": 0.9,
+        "translation": "carried",
+        "initial_position": [1.0, -2.0, 0.5],
+        "initial_velocity": [0.3, 0.0, -0.1],
+        "sway_acceleration": [1.0, 2.0, 3.0],
+        "vibration_acceleration": [2.0, 0.0, 1.0],
+        "gyro_rate": "integrated",
+        "imu_rate": 111.0,
+        "accelerometer_lever_arm": [0.1, 0.0, 0.2],
+        "rate": 200.0,
+        "epoch_ns": 10**18,
+    }
+    live = assignments(record_path=bag, real_time_factor=5.0, paused="true", **given)
+    with SimulatorProcess(*live) as simulator, RawClient(tmp_path / "seen", *TOPICS) as client:
+        client.meet(lambda: peer.stamp("step"))
+        assert peer.call("resume").success
+        eventually(lambda: max(stamps_in_whole_chunks(bag), default=0) > 10**18 + 8 * 10**9, "samples of eight seconds")
+        assert peer.call("pause").success
+        last_ns = peer.stamp("step")
+        seen = client.finish(dict.fromkeys(TOPICS, last_ns))
+        assert simulator.end(signal.SIGINT) == 0
+    run = simulate(duration=(last_ns - 10**18) / 1e9 + 0.001, **given)
+    assert run.position is not None
+    assert run.velocity is not None
+    assert len(run.kicks.t_ns) > 25
+    speed = quaternion.rotate(quaternion.conjugate(run.truth.attitude_xyzw), run.velocity)
+    wanted = {
+        "pose": np.concatenate([run.position, run.truth.attitude_xyzw], axis=1),
+        "twist": np.concatenate([speed, run.truth.body_rate], axis=1),
+    }
+    for topic, numbers in wanted.items():
+        width = 8 * numbers.shape[1]  # they come last in both messages
+        assert len(seen[topic]) > 1000
+        assert b"".join(message[-width:] for message in seen[topic]) == numbers[-len(seen[topic]) :].tobytes()
+    certificate = certify(bag)
+    assert certificate.passed, certificate.messages
 
 
 @pytest.mark.slow

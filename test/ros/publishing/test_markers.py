@@ -95,6 +95,31 @@ def test_the_picture_is_of_the_latest_state_in_the_world(markers: Markers, publi
     np.testing.assert_allclose([q.x, q.y, q.z, q.w], state.attitude_xyzw, rtol=0, atol=1e-15)
 
 
+def test_a_kick_begins_a_new_polhode_and_arrows_go_with_the_body(markers: Markers, publisher: Any) -> None:
+    """The longest is that of the arc of the largest momentum, which is conserved; a body at rest has none."""
+    kicks = [1.0, *[0.0] * 3, 2.0, *[0.0, 3.0, 4.0]]
+    moving = {"translation": "thrown", "initial_position": [5.0, 6.0, 7.0], "gravity": 0.0}
+    scenario = Scenario.from_parameters(
+        {**SCENARIO.parameters(), **moving, "kicks": kicks, "initial_velocity": [1, 0, 0]}
+    )
+    simulation = Simulation(scenario, NS)
+    markers.begin_segment(simulation.segment)
+    publisher.lookers = 1
+    for k in range(25):  # ten times a second
+        feed(markers, simulation, 10)
+        markers.tick(k * NS, Punctuality())
+    trails = [len(picture.markers[3].points) for picture in publisher.published]
+    assert trails == [*range(1, 11), *range(1, 11), *range(1, 6)]
+    first, last = (np.linalg.norm(MATRIX @ rate) for rate in (START["initial_body_rate"], kicks[-3:]))
+    for k, length in ((5, first / last), (15, 0.0), (22, 1.0)):
+        box, momentum, rate, trail = publisher.published[k].markers
+        place = [5.0 + 0.1 * k + 0.09, 6.0, 7.0]
+        tail, tip = (np.array([point.x, point.y, point.z]) for point in momentum.points)
+        assert np.linalg.norm(tip - tail) == pytest.approx(length, abs=1e-12)
+        for point in (rate.points[0], momentum.points[0], box.pose.position, trail.pose.position):
+            np.testing.assert_allclose([point.x, point.y, point.z], place, rtol=0, atol=1e-12)
+
+
 def require_parallel(point: Any, vector: np.ndarray) -> None:
     found = np.array([point.x, point.y, point.z])
     np.testing.assert_allclose(found / np.linalg.norm(found), vector / np.linalg.norm(vector), rtol=0, atol=1e-12)

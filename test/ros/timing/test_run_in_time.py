@@ -14,7 +14,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.mechanics import State
 from lie_rigid_body.ros.timing.live_run import MIN_WAIT_NS, RunState
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, MAX_CREDIT_NS, STALL_NS
 from lie_rigid_body.ros.timing.requests import ControlError, StepRequest
@@ -123,7 +122,7 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
         "resumed": run.live.resume,
         "reset": lambda: run.live.reset(run.scenario),
         "stop": lambda: run.live.stop(run.scenario),
-        "reset_to": lambda: run.live.reset_to(run.scenario.start()),
+        "reset_to": lambda: run.live.reset_to({}),
     }
     [stepping, *_] = run.play((NS, lambda: run.live.step(1000)), (NS, actions[why]), (2 * NS, nothing))
     assert broken_off(stepping) == MAX_BATCH
@@ -136,8 +135,7 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
 def test_a_body_whose_samples_take_seconds_is_refused() -> None:
     """No call is answered while a sample is computed."""
     run = ScriptedRun(motion="moving_chart")
-    start = run.scenario.start()
-    fast = State(start.attitude_xyzw, 1e10 * start.body_rate)
+    fast = {"initial_body_rate": [1e10 * rate for rate in run.scenario.initial_body_rate]}
     [refused, _] = run.play((NS, lambda: run.live.reset_to(fast)), (2 * NS, nothing))
     assert isinstance(refused, ParameterError)
     assert refused.name == "max_step"
