@@ -257,7 +257,7 @@ def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeR
 
 
 def _measurement_models(scenario: Scenario) -> Iterator[tuple[SensorModel, VectorMeasurement | AttitudeMeasurement]]:
-    """What the sensors of a scenario tell of the attitude: the accelerometer of a thrown body no vertical."""
+    """Measurements of the attitude by the sensors of a scenario: the accelerometer of a thrown body has no vertical."""
     for name, model in scenario.sensors.on.items():
         if name != "imu" or scenario.translation != "thrown":
             yield from ((model, aid) for aid in model.measurement_models)

@@ -277,7 +277,7 @@ class Scenario:
         return Carried(self.initial_position, self.initial_velocity, self.sway(), clock)
 
     def carrier(self) -> Carrier:
-        """What the sensors are fixed to."""
+        """Carrier of the sensors: the body, and its acceleration."""
         path = self.path()
         acceleration = self._acceleration if path or self.sway() else None
         turning = path.angular_acceleration if path else None

@@ -30,7 +30,7 @@ BLOCK: Final = 16_384
 
 @short_dataclass(frozen=True)
 class Carrier:
-    """What sensors are fixed to: a body, and what accelerates it.
+    """Carrier of sensors: a body, and its acceleration.
 
     Parameters
     ----------
