@@ -89,6 +89,9 @@ GRADE_OF_NOISE: Final = {name: GRADES["tactical"][name] for name in NOISE}
 """Densities of the noise of tactical sensors."""
 BESIDE: Final = tuple(cause for cause in CAUSES if cause.code != "euler_order")
 """Causes that are undone beside repairs of the input: with signs and orders of angles two of these would be one."""
+ONE_ROTATION: Final = {"body_axes", "body_mounting"}
+"""Codes of two rotations of the body, of the readings and of the estimate: to a filter that works in any axes they are
+one, or none where they undo one another."""
 QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
@@ -170,6 +173,8 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> lis
         """Whether each repair of a trial halves the error at least, unless both leave less than the floor."""
         if len(trial.mistakes) < 2:
             return True
+        if ONE_ROTATION.issubset(trial.codes):
+            return False
         first = min(alone(trials, repair) for repair in trial.mistakes)
         return (first <= HALVED * before or trial.error <= floor) and is_enough(trial.error, first)
 
