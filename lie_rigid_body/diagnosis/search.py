@@ -437,8 +437,8 @@ class Search:
             before = nearly_long.error(0.9) if nearly_long else np.pi
             signs = {sensor: self._negated(best, sensor) for sensor in ("accelerometer", "magnetometer")}
             self.unstable_by = next((s for s, error in signs.items() if error <= max(self.floor, MENDED * before)), "")
-        elif level > max(self.floor, NEAR * self.scatter):
-            self.chatter = max(self.chatter, float(change.max()))
+        elif UNJUDGED >= np.median(change[-len(change) // 3 :]) > max(self.floor, NEAR * self.scatter):
+            self.chatter = max(self.chatter, float(change.max()))  # rare jumps and unrelated attitudes are no chatter
 
     def _negated(self, unrepaired: Trial, sensor: str) -> float:
         """Error at the end of a long run with the readings of a sensor negated, rad."""

@@ -314,6 +314,21 @@ def test_filter_without_a_mistake_that_fails_a_probe_is_told_why(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("share", [0.1, 1.0])
+def test_jumps_and_answers_by_chance_are_no_chatter_that_explains_an_error(share: float) -> None:
+    """Any rotation at a share of the samples, by digits of the gyro that errors of the sensors change."""
+
+    def jumping(run: Any) -> Any:
+        angle = np.pi * (np.modf(1e6 * np.abs(run.imu.gyro[:, :1]))[0] < share) * np.modf(1e7 * run.imu.gyro)[0]
+        return quaternion.multiply(textbook.triad(run), quaternion.exp(2.0 * angle))
+
+    found = diagnose(jumping, max_runs=1)
+    assert found.rms_deg > 20.0
+    assert found.probes[0].passed is False
+    assert "chatters" not in {note.code for note in found.notes}
+
+
+@pytest.mark.slow
 def test_filter_that_begins_with_one_attitude_is_judged_when_it_has_settled() -> None:
     found = diagnose(textbook.from_afar, workers=2)
     [off] = [note.value for note in found.notes if note.code == "first_attitude"]
