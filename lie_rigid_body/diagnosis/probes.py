@@ -41,7 +41,7 @@ FIELDS_T: Final = (25e-6, 65e-6)
 DIPS: Final = (0.0, 75.0, -75.0)
 """Dips of a field at the equator and near the poles, degrees."""
 LEARNING_S: Final = 60.0
-"""Rest in which a filter may learn the bias of the gyro before it is turned through eight headings, s."""
+"""Least rest in which a filter learns the bias of the gyro before it is turned through eight headings, s."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 _RESTS: Final = (0.0, REST, 3.0 * REST)
@@ -238,7 +238,10 @@ def _headings(search: Search) -> list[Course]:
         return []
     level = quaternion.exp(np.radians([3.0, -2.0, 10.0]))
     scenario = _at(search.course, level).scenario
-    return [Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search)[0].off)]
+    course = Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search)[0].off)
+    if search.chosen.error > search.floor or any(repair.change for repair in search.chosen.mistakes):
+        return [course]
+    return [max(course, search.settled(course, course.settle_s), key=lambda each: each.settle_s)]
 
 
 def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:

@@ -276,7 +276,7 @@ class Search:
         self._short_error = np.pi
         self.needs_noise = self.needs_rest = False
         self.known: dict[tuple[Course, Repairs, int], Answer | FilterError] = {}
-        self._rests: dict[object, float] = {}
+        self._rests: dict[tuple[object, ...], float] = {}
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
@@ -337,7 +337,7 @@ class Search:
     @property
     def longest_rest_s(self) -> float:
         """Longest rest that the filter needs in any attitude and field that was tried, s."""
-        return max(self._rests.values(), default=0.0)
+        return max((rest for (*_, off), rest in self._rests.items() if not off), default=0.0)
 
     def run(self) -> None:
         """Look for repairs if the filter is wrong, also after it has settled at rest."""
@@ -381,13 +381,13 @@ class Search:
             courses = tuple(course.of_scenario(initial_attitude_xyzw=start) for course, start in each)
         return [self.settled(course) for course in courses]
 
-    def settled(self, course: Course) -> Course:
+    def settled(self, course: Course, least_s: float = FIRST_REST) -> Course:
         """The course with a rest, doubled until the filter has settled in half of it, to `MAX_REST` at most."""
         if not course.ramp_s:
             return course
-        key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field)
+        key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field), course.off
         if key not in self._rests:
-            rest = max(FIRST_REST, self.settles_s)
+            rest = max(least_s, self.settles_s)
             while (
                 (settled := self._settled_s(course, rest)) > 0.5 * rest
                 and rest < MAX_REST

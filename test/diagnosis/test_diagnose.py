@@ -21,7 +21,7 @@ from lie_rigid_body.cli.diagnose import main
 from lie_rigid_body.cli.league import main as league
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
-from lie_rigid_body.diagnosis.probes import NOTES, told
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, told
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
 from lie_rigid_body.estimates.estimators import each_alone
@@ -354,6 +354,16 @@ def test_unstable_filter_is_told_the_sensor_whose_correction_has_the_wrong_sign(
     assert search.growth > search.floor
     assert search.unstable_by == sensor
     assert search.chatter == 0.0
+
+
+@pytest.mark.slow
+def test_bias_that_is_learnt_in_minutes_is_learnt_before_the_headings() -> None:
+    """Gains of slow filters of flight controllers: the bias decays with a time constant of 33 s."""
+    search = Search(partial(each_alone, partial(textbook.mahony, kp=0.2, ki=0.005)), courses_of({}), 1)
+    search.run()
+    [headings] = told(search, [row for row in PROBES if row.code == "headings"])
+    assert headings.passed
+    assert search.longest_rest_s == 0.0  # without a bias it begins settled
 
 
 NED = quaternion.multiply([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], [0.0, 0.0, np.sin(0.4), np.cos(0.4)])
