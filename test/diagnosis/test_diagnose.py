@@ -24,6 +24,7 @@ from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, told
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
+from lie_rigid_body.diagnosis.situations import REST, TUMBLES, TURNS, Situation, common
 from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.lie import quaternion
 from said import numbers
@@ -434,6 +435,28 @@ def test_where_nothing_explains_the_error_situations_do() -> None:
     assert len(errors) == 9
     assert errors["level at rest"] < 2.0 < 20.0 < errors["tilted at rest"]
     assert {probe.passed for probe in found.probes if probe.code in ("noise", "slow", "long_run")} == {None}
+
+
+@pytest.mark.slow
+def test_the_tumble_among_the_situations_is_the_one_in_which_it_is_wrong() -> None:
+    def wrong_of_one_body(run: Any) -> Any:
+        w = run.imu.gyro * (run.scenario.parameters()["inertia"][1] == courses_of({})[1].parameter("inertia")[1])
+        return quaternion.multiply(textbook.triad(run), quaternion.exp(w * w[:, [1, 2, 0]]))
+
+    found = diagnose(wrong_of_one_body, max_runs=1)
+    assert found.mistakes == ()
+    assert {each.name: each.rms_deg or 0.0 for each in found.situations}["tumbling"] > found.rms_deg
+
+
+def test_situations_are_told_together() -> None:
+    names = [*REST, *TURNS, *TUMBLES]
+
+    def said(*right: str) -> str:
+        return common([Situation(name, 90.0 * (name not in right), is_level=False) for name in names[:7]], 0.1)
+
+    assert said(*REST) == "It is right at rest, and wrong in motion."
+    assert said(*REST, names[5]) == "It is right at rest and about z, and wrong about x and y and in a tumble."
+    assert said(*REST, *TURNS) == "It is right at rest and about each axis, and wrong in a tumble."
 
 
 @pytest.mark.slow
