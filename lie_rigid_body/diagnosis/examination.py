@@ -305,10 +305,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     if search.is_rest_cut:
         remarks = [*remarks, f"Repairs were tried after less than the {search.settles_s:.0f} s of rest that it needs."]
     if search.is_cut:
-        remarks = [
-            *remarks,
-            f"No more repairs were tried after {counted(search.runs, 'run')}, {search.updates} readings of the gyro.",
-        ]
+        remarks = [*remarks, "Not all pairs of repairs were tried: the budget of runs and readings was spent."]
     if mistakes and search.chosen.error > search.floor:
         remarks = [
             *remarks,

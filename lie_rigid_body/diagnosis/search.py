@@ -57,10 +57,12 @@ MAX_REST: Final = 300.0
 """Longest rest that it is given, s."""
 SCREENED_REST: Final = 25.0
 """Longest rest before the short motion on which repairs are compared at first, s."""
-MAX_UPDATES: Final = 400_000
-"""Readings of the gyro after which no more pairs are begun; the probes take 150 000 more."""
+MAX_UPDATES: Final = 410_000
+"""Readings of the gyro after which no more pairs are tried; situations and probes take up to 190 000 more."""
+UNPROBED: Final = 50_000
+"""Readings that may be more where the error is above `UNJUDGED`, so that most probes are not judged."""
 MAX_UPDATES_SETTLING: Final = 1_600_000
-"""Readings after which no more are begun of a filter that needs more than `CALM` seconds to settle."""
+"""Readings after which no more are tried of a filter that needs more than `CALM` seconds to settle."""
 UNJUDGED: Final = float(np.radians(20.0))
 """Error of the filter, rad, above which a factor of the gyro near 1 explains nothing, and probes say nothing."""
 SCALES: Final = (1e-6, 1e-4, 1e-2, 1.0)
@@ -492,11 +494,17 @@ class Search:
     @property
     def most_updates(self) -> int:
         """Readings of the gyro after which no more pairs are begun."""
-        return MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
+        most = MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
+        return most + UNPROBED * (bool(self.trials) and plain(self.trials).error > UNJUDGED)
+
+    @property
+    def affordable(self) -> int:
+        """Number of runs of the short course for which readings are left."""
+        return max(0, self.most_updates - self.updates) // self.short[0].updates
 
     def _may_go_on(self) -> bool:
         """Whether the budget allows more runs; `is_cut` keeps a refusal."""
-        self.is_cut = self.runs >= self.most_runs or self.updates >= self.most_updates
+        self.is_cut = self.runs >= self.most_runs or not self.affordable
         return not self.is_cut
 
     def _is_mended(self, count: int) -> bool:
@@ -520,6 +528,7 @@ class Search:
 
     def _screened(self, chosen: Sequence[Repairs], causes: Sequence[Cause] = ()) -> list[Trial]:
         """Try repairs on the short course, and each with some causes in the output; then the best on all courses."""
+        chosen = chosen[: self.affordable]
         if not chosen:
             return []
         causes = self._outputs(causes)
@@ -551,14 +560,16 @@ class Search:
         drowns a constant that the filter adds to it. But if the filter normalises it, no unit is wrong, and
         half of the factor does as well. Both changes of the error have to be more than the floor, as smaller
         errors change by chance. The second has to be more than twice what the repair leaves, too: half of the
-        factor leaves twice of such a constant.
+        factor leaves twice of such a constant. Of a time step the first is asked alone.
         """
-        costs = (
-            self.drift_costs(repair.code.removesuffix("_units"), trial.repairs)
-            for repair in trial.mistakes
-            if repair.code.endswith("_units")
-        )
-        return all(silence > self.floor and abs(half) > max(self.floor, NEAR * trial.error) for silence, half in costs)
+        for repair in trial.mistakes:
+            sensor, _, kind = repair.code.rpartition("_")
+            if kind in ("units", "step"):
+                silence, half = self.drift_costs("gyro" if kind == "step" else sensor, trial.repairs)
+                is_sized = kind == "step" or abs(half) > max(self.floor, NEAR * trial.error)
+                if silence <= self.floor or not is_sized:
+                    return False
+        return True
 
     def drift_costs(self, sensor: str, repairs: Repairs) -> tuple[float, float]:
         """Increases of the error, rad, by a silent sensor and by half of its readings, in a drift it alone tells."""

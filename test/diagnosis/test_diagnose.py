@@ -448,6 +448,20 @@ def test_the_tumble_among_the_situations_is_the_one_in_which_it_is_wrong() -> No
     assert {each.name: each.rms_deg or 0.0 for each in found.situations}["tumbling"] > found.rms_deg
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [0.02, 1.0])
+def test_a_diagnosis_that_finds_nothing_ends(size: float) -> None:
+    """An error that grows with the square of the rate has no name, whether probes are judged beside it or not."""
+
+    def wrong_in_motion(run: Any) -> Any:
+        w = run.imu.gyro
+        return quaternion.multiply(textbook.triad(run), quaternion.exp(size * w * w[:, [1, 2, 0]]))
+
+    found = diagnose(wrong_in_motion, workers=1)
+    assert found.mistakes == ()
+    assert found.updates <= 600_000
+
+
 def test_situations_are_told_together() -> None:
     names = [*REST, *TURNS, *TUMBLES]
 
