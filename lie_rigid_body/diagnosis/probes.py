@@ -134,7 +134,7 @@ def _limit(search: Search, least: float = 0.0) -> float:
 def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
     """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
     what = "its mistakes repaired" if search.chosen.codes else "perfect sensors"
-    settled = f"; it needs {search.settles_s:.0f} s at rest until its answer stands still" * (search.settles_s > 0.0)
+    settled = f"; it needs {search.settles_s:.0f} s at rest to settle" * (search.settles_s > 0.0)
     passed, said, value = limited(f"with {what} its error is", search.chosen.error, search.floor, settled)
     if passed or search.chosen.codes or search.chosen.error <= NEAR * search.chatter:
         return True, said, value
@@ -382,7 +382,7 @@ def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     t_s = answers[0].t_s
     last = error_of([answers[0].track[t_s >= 40.0]])
     most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
-    passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
+    passed, said, value = limited("after gaps of a second in a slow motion its error at the end is", last, most)
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
 
 

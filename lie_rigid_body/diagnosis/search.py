@@ -92,8 +92,7 @@ GRADE_OF_NOISE: Final = {name: GRADES["tactical"][name] for name in NOISE}
 BESIDE: Final = tuple(cause for cause in CAUSES if cause.code != "euler_order")
 """Causes that are undone beside repairs of the input: with signs and orders of angles two of these would be one."""
 ONE_ROTATION: Final = {"body_axes", "body_mounting"}
-"""Codes of two rotations of the body, of the readings and of the estimate: to a filter that works in any axes they are
-one, or none where they undo one another."""
+"""Codes of two rotations of the body, of the readings and of the estimate: together they are one, or none."""
 QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 

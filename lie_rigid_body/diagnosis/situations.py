@@ -142,6 +142,7 @@ def common(found: list[Situation], floor_deg: float) -> str:
 def _together(names: Sequence[str]) -> str:
     """Names of situations in a few words: `about x and y`."""
     said = list[str]()
+    names = [name for name in names if "without" not in name] or names
     for group, words in GROUPS:
         if group.issubset(names):
             said.append(words)
