@@ -266,10 +266,11 @@ def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     ratio = float(last @ bias / (bias @ bias))
     fault = ""
     if norm(last - bias) > 0.5 * norm(bias):
-        unit = "in degrees a second" if 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
-        sign = "with the opposite sign" if ratio < -0.5 else ""
+        is_along = norm(last - ratio * bias) <= 0.5 * norm(last)
+        unit = "in degrees a second" if is_along and 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
+        sign = "with the opposite sign" if is_along and ratio < -0.5 else ""
         stuck = "as it never moves" if np.ptp(told, axis=0).max() < 0.01 * norm(bias) else ""
-        fault = " and ".join(filter(None, (unit, sign, stuck))) or "of another size"
+        fault = " and ".join(filter(None, (unit, sign, stuck))) or f"of another {'size' if is_along else 'direction'}"
     said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much{', ' * bool(fault)}{fault}"
     return not fault, said, ratio
 

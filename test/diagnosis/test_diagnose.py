@@ -476,7 +476,14 @@ def test_situations_are_told_together() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "word"),
-    [(lambda b: b, ""), (lambda b: -b, "opposite"), (np.degrees, "degrees"), (lambda b: 0.0 * b, "never")],
+    [
+        (lambda b: b, ""),
+        (lambda b: -b, "opposite"),
+        (np.degrees, "degrees"),
+        (lambda b: 0.0 * b, "never"),
+        (lambda b: b * np.arange(len(b))[:, np.newaxis], "another size"),
+        (lambda b: -5.0 * b * [np.arange(3) < 1] * np.linspace(0.9, 1.0, len(b))[:, np.newaxis], "another direction"),
+    ],
 )
 def test_estimated_bias_is_compared_with_the_one_put_in(change: Callable[[Any], Any], word: str) -> None:
     bias = np.radians(1.0) / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])
