@@ -16,8 +16,6 @@ from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.motion.path import RISING, Knots, refuse_first, require_path
-from lie_rigid_body.recording.bag_files import SUFFIXES, BagFiles
-from lie_rigid_body.recording.topic_messages import POSE_TYPES, read_attitudes
 from lie_rigid_body.scenario.parameter_table import read_parameters
 from lie_rigid_body.system.bounded_input import read_text, real
 
@@ -69,6 +67,8 @@ def read_poses(path: str | Path) -> Knots:
     BagError
         If it is a bag that cannot be read.
     """
+    from lie_rigid_body.recording.bag_files import SUFFIXES  # a node without a path needs nothing that reads bags
+
     is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
     times, poses = _of_bag(Path(path)) if is_bag else _of_text(path)
     since = np.array([time - times[0] for time in times], dtype=np.int64)
@@ -85,6 +85,9 @@ def read_poses(path: str | Path) -> Knots:
 
 def _of_bag(path: Path) -> tuple[list[int], Array]:
     """Stamps, ns, and poses, shape (N, 7), of the one topic of poses in a bag, or of the one that is called so."""
+    from lie_rigid_body.recording.bag_files import BagFiles
+    from lie_rigid_body.recording.topic_messages import POSE_TYPES, read_attitudes
+
     contents = BagFiles(path).contents(lambda topic, kind: kind in POSE_TYPES)
     found = sorted(
         track.topic for track in contents.tracks.values() if track.count and track.message_type in POSE_TYPES
