@@ -67,7 +67,7 @@ class Kicks:
         Raises
         ------
         ParameterError
-            If the times do not rise from above 0, or the period is not longer than the last one.
+            If the times do not rise from above 0 to at most 4.6e9 s, or the period is not longer than the last one.
         """
         rows = np.array(numbers, dtype=np.float64).reshape(-1, KICK_NUMBERS)
         times = [_nanoseconds(seconds) for seconds in rows[:, 0].tolist()]
@@ -75,7 +75,9 @@ class Kicks:
             if not before < after <= _MAX_TIME:
                 than = f"{before / NS:.15g} s, the time of the kick before" if i else "0, the start"
                 raise ParameterError(
-                    "kicks", f"kick {i + 1} is at {rows[i, 0]:.15g} s, which is not above {than}: give rising times"
+                    "kicks",
+                    f"kick {i + 1} is at {rows[i, 0]:.15g} s: give a time above {than}, and at most "
+                    f"{_MAX_TIME / NS:g} s",
                 )
         period_ns = _nanoseconds(period)
         if times and period and period_ns <= times[-1]:

@@ -133,6 +133,7 @@ def test_kicks_come_again_after_their_period() -> None:
         ({"kicks": [0.0, 0.0, 0.0, 0.0]}, "kicks", "above 0"),
         ({"kicks": [4e-10, 0.0, 0.0, 0.0]}, "kicks", "above 0"),
         ({"kicks": [-1.0, 0.0, 0.0, 0.0]}, "kicks", "-1"),
+        ({"kicks": [5e9, 0.0, 0.0, 0.0]}, "kicks", "at most"),
         ({"kicks": [1.0, np.inf, 0.0, 0.0]}, "kicks", "finite"),
         ({"kicks": [1.0, 1e200, 0.0, 0.0]}, "kicks", "beyond double precision"),
         ({"kicks": [1.0, 0.0, 0.0, 0.0] * 1001}, "kicks", "4000"),
