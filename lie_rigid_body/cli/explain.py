@@ -148,7 +148,7 @@ def main(given: argparse.Namespace) -> int:
         told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration()}
         return emit(
             {},
-            lambda: as_text([Sentences([_PATH.format(**told)]), *_sensor_parts(scenario)], title),
+            lambda: as_text([Sentences([_PATH.format(**told)]), *_other_parts(scenario)], title),
             lambda: {"parameters": scenario.parameters(), "path": told},
             as_json=given.json,
         )
@@ -169,9 +169,7 @@ def main(given: argparse.Namespace) -> int:
 def _parts(scenario: Scenario, description: Description) -> list[Part]:
     """Answer about a scenario and its motion."""
     from lie_rigid_body.report.answer import Sentences, Table
-    from lie_rigid_body.scenario.facts import beyond_rotation
 
-    beyond = beyond_rotation(scenario)
     spins = "1 rad/s" if description.regime == "rest" else "this angular momentum"
     inertia = _vector(scenario.inertia)
     rate = _vector(scenario.initial_body_rate)
@@ -184,19 +182,22 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Sentences([_regime(description)]),
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
         Sentences([*_conservation(description)], f"Conserved{until}"),
+    ]
+    return [*parts, *_other_parts(scenario)]
+
+
+def _other_parts(scenario: Scenario) -> list[Part]:
+    """Tables of kicks, mass centre and sensors, where there are some, and what has no effect."""
+    from lie_rigid_body.report.answer import Sentences, Table
+    from lie_rigid_body.scenario.facts import beyond_rotation
+
+    beyond = beyond_rotation(scenario)
+    return [
         Table((), [*_fact_rows(scenario, beyond["sway"])], "Kicks and mass centre"),
         *_arc_table(beyond),
+        Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}"),
+        Sentences([f"{sentence}." for sentence in scenario.without_effect], "Without effect"),
     ]
-    return [*parts, *_sensor_parts(scenario)]
-
-
-def _sensor_parts(scenario: Scenario) -> list[Part]:
-    """Table of the sensors, if there are some."""
-    from lie_rigid_body.report.answer import Table
-
-    if not scenario.has_sensors:
-        return []
-    return [Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}")]
 
 
 def _body_rows(description: Description) -> list[tuple[str, ...]]:
@@ -334,7 +335,7 @@ def _sensor_rows(scenario: Scenario) -> list[tuple[str, str]]:
     """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
     from lie_rigid_body.sensors import GRADE, SENSORS
 
-    off = scenario.sensors.off_parameters
+    off = scenario.sensors.off_parameters if scenario.has_sensors else SENSORS.parameters
     return [
         (name, _value(value))
         for name, value in scenario.sensor_parameters

@@ -36,7 +36,8 @@ def facts(scenario: Scenario) -> dict[str, str]:
         found["kicks"] = f"{counted(len(kicks), 'kick')}, {kicks.rests} to rest{again}"
     if scenario.translation != "none":
         found["mass centre"] = _mass_centre(scenario)
-    if imu is not None and scenario.translation == "carried" and imu.accelerometer_mode == "free_fall":
+    is_carried = scenario.moves and scenario.translation != "thrown"
+    if imu is not None and is_carried and imu.accelerometer_mode == "free_fall":
         found["gravity"] = "the accelerometer reads none in free_fall: give pivot_gravity where the world has weight"
     return found
 

@@ -81,6 +81,18 @@ def test_arcs_kicks_and_sway_are_told(capsys: pytest.CaptureFixture[str]) -> Non
         assert 1.0 < told["sway"][f"{name}_at_most"] / np.linalg.norm(values, axis=1).max() < 2.5
 
 
+KNOTS = [[0.1 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] for k in range(5)]
+ON_A_PATH = ["-p", "motion:=path", "-p", f"path_knots:={sum(KNOTS, [])}", "-p", "imu_rate:=10.0"]
+
+
+def test_a_carried_body_without_gravity_and_what_has_no_effect_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    for mode, is_told in (("pivot_gravity", False), ("free_fall", True)):
+        assert main([*ON_A_PATH, "-p", f"accelerometer_mode:={mode}", "-p", "sway_seed:=3"]) == 0
+        told = capsys.readouterr().out
+        assert ("gravity  " in told) == is_told
+        assert "sway_seed has no effect" in told
+
+
 SEPARATRIX = ["-p", "inertia:=[3.0, 4.0, 6.0]", "-p", "initial_body_rate:=[-2.0, 3.0, 1.0]"]
 
 
