@@ -307,6 +307,11 @@ class BlindRun(Run):
     def _centre(self) -> None:
         return None
 
+    @property
+    def vibration(self) -> None:
+        """None: its phases would tell what the accelerometer reads beside the motion."""
+        return None
+
     def __getattribute__(self, name: str) -> Any:
         if name in _TELLING:
             return partial(_refuse, f"run.{name}()")

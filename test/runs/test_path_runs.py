@@ -175,6 +175,9 @@ def test_a_filter_sees_nothing_of_the_path(trajectory: Path) -> None:
     for method in ("path", "exact_motion", "start", "mass_centre", "make_motion"):
         with pytest.raises(WithheldError):
             getattr(first, method)()
+    shaken = run_of(**SENSORS, vibration_acceleration=[1.0, 0.0, 0.0])
+    assert shaken.vibration is not None
+    assert BlindRun.without_truth(shaken).vibration is None
 
 
 def test_a_filter_that_is_given_the_first_attitude_gets_that_of_the_path() -> None:
