@@ -17,7 +17,7 @@ from typing import Any, Final, TypeAlias
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Value, Vector
 from lie_rigid_body.foundation.wording import numerals
-from lie_rigid_body.motion.harmonics import HARMONICS
+from lie_rigid_body.motion.harmonics import HARMONICS, STEPS_PER_HZ
 
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
@@ -75,24 +75,22 @@ def harmonics_parameters(name: str, what: str, band: tuple[float, float]) -> tup
             band,
             f"Lowest and highest frequency of its {HARMONICS} harmonics on each axis, Hz.",
             lengths=(2,),
-            minimum=0.0,
+            minimum=1.0 / STEPS_PER_HZ,
             maximum=_MAX_FREQUENCY,
         ),
     )
 
 
 def require_band(name: str, band: Vector) -> None:
-    """Refuse a band of frequencies that is upside down or begins at 0 Hz.
+    """Refuse a band of frequencies that is upside down.
 
     Raises
     ------
     ParameterError
     """
     low, high = band
-    if not 0.0 < low <= high:
-        raise ParameterError(
-            name, f"{numerals(band)} Hz is no band: give a lowest frequency above 0, and a highest one not below it"
-        )
+    if low > high:
+        raise ParameterError(name, f"{numerals(band)} Hz is no band: give the lowest frequency first")
 
 
 def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
