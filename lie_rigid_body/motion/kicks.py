@@ -92,6 +92,11 @@ class Kicks:
         return len(self.t_ns)
 
     @property
+    def per_second(self) -> float:
+        """Mean number of kicks in a second, for ever; 0 of those that come once."""
+        return len(self) * NS / self.period_ns if self.period_ns else 0.0
+
+    @property
     def rests(self) -> int:
         """Number of kicks after which the body rests."""
         return int((~self.body_rate.any(axis=1)).sum())

@@ -39,6 +39,10 @@ Moser–Veselov steppers limit their steps themselves."""
 MIN_STEP: Final = 1e-9
 """Smallest step that a refusal advises, s."""
 
+MAX_KICKS_PER_SAMPLE: Final = 100_000
+"""Largest mean number of kicks from one sample to the next: they take minutes."""
+_STEPS_OF_A_KICK: Final = 64
+"""Number of steps of the moving chart that take as long as a kick, about 1 ms."""
 _NOT_CARRIED: Final = "translation is not carried"
 _NO_PATH: Final = "motion is not path"
 _OF_MECHANICS: Final = (
@@ -332,13 +336,15 @@ class Scenario:
         at_most : int
             The most samples.
         steps : int
-            The most steps of the moving chart, if one sample does not take more.
+            The most steps of the moving chart, if one sample does not take more. A kick counts as some.
         rate : float, optional
             Samples per second, by default those of the truth or of the fastest sensor.
         """
         at_most = whole_number("at_most", at_most, 1)
         steps = whole_number("steps", steps, 1)
-        return max(1, min(at_most, steps // self.steps_per_sample(max(self.rates) if rate is None else rate)))
+        rate = max(self.rates) if rate is None else _read("rate", rate)
+        of_kicks = int(_STEPS_OF_A_KICK * self.kick_schedule().per_second / rate)
+        return max(1, min(at_most, steps // (self.steps_per_sample(rate) + of_kicks)))
 
     @property
     def longest_step(self) -> float:
@@ -375,6 +381,13 @@ class Scenario:
             self._require_path_alone()
             self._valid_start()
             _require_normal(body, self.arc_starts())
+        kicks = self.kick_schedule().per_second / min(self.rates)
+        if kicks > MAX_KICKS_PER_SAMPLE:
+            raise ParameterError(
+                "kick_period",
+                f"{self.kick_period:g} s makes {kicks:.3g} kicks between two samples, more than "
+                f"{MAX_KICKS_PER_SAMPLE}: give a longer one, or higher rates",
+            )
         fastest = self.rate_bound()
         if self.motion == "moving_chart":
             self._require_possible_steps(fastest)

@@ -139,6 +139,7 @@ def test_kicks_come_again_after_their_period() -> None:
         ({"kicks": [1.0, 0.0, 0.0, 0.0] * 1001}, "kicks", "4000"),
         ({"kicks": [1.0, 0.0, 0.0, 0.0], "kick_period": 1.0}, "kick_period", "longer"),
         ({"kick_period": -1.0}, "kick_period", "outside"),
+        ({"kicks": [1e-9, 0.0, 0.0, 0.0], "kick_period": 2e-9}, "kick_period", "between two samples"),
         ({"sway_band": [2.0, 1.0]}, "sway_band", "no band"),
         ({"sway_band": [0.0, 1.0]}, "sway_band", "outside"),
         ({"sway_band": [1e-9, 1e-9]}, "sway_band", "outside"),

@@ -189,6 +189,9 @@ def test_a_batch_is_bounded_by_its_samples_and_its_steps() -> None:
     assert fast.batch_size(250, 2000) == 100
     assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 1) == 1
     assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 250) == 250
+    often = {"motion": "closed_form", "kicks": [0.5, 0.0, 0.0, 1.0], "kick_period": 1.0}
+    assert Scenario.from_parameters({**often, "rate": 0.1}).batch_size(64, 64) == 1
+    assert Scenario.from_parameters({**often, "rate": 100.0}).batch_size(64, 64) == 64
 
 
 def test_the_bound_of_a_rate_whose_quotients_overflow_is_finite() -> None:
