@@ -74,6 +74,7 @@ def read_poses(path: str | Path) -> Knots:
     since = np.array([time - times[0] for time in times], dtype=np.int64)
     lengths = quaternion.norm(poses[:, 3:])
     faults = {
+        "has a number that is not finite: give finite ones": ~np.isfinite(poses).all(axis=1),
         RISING: np.diff(since, prepend=-1) <= 0,
         f"has a quaternion whose norm is not 1 to {MAX_NORM_ERROR:g}: give unit quaternions": (
             ~(np.abs(lengths - 1.0) <= MAX_NORM_ERROR)

@@ -84,6 +84,7 @@ LINES = ["0.0 0 0 0 0 0 0 1", "0.1 0 0 0 0 0 0 1"]
         ("\n".join([*LINES, "0.2 0 0 0 0 0 0 0.9"]), "pose 3"),
         ("\n".join([*LINES, "0.2 0 0 0 0 0 0 0"]), "pose 3"),
         ("\n".join([*LINES, "0.2 0 0 0 nan 0 0 1"]), "pose 3"),
+        ("\n".join([*LINES, "0.2 0 inf 0 0 0 0 1"]), "pose 3"),
         (b"\xff\xfe", "UTF-8"),
         (None, "exist"),
     ],
