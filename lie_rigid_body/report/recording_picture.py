@@ -60,21 +60,26 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
     over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
-    moves = any(piece.segment.scenario.moves for piece in pieces)
-    heights = (1.35, 1.0, 1.0, *([1.0] if moves else []))
-    rate, *places, energy, momentum = curves = over_time.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    scenarios = [piece.segment.scenario for piece in pieces]
+    moves = any(scenario.moves for scenario in scenarios)
+    drifts = 2 * any(scenario.motion != "path" for scenario in scenarios)
+    heights = (1.35, *[1.0] * (moves + drifts))
+    curves = over_time.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    rate, *others = curves
     whose = "first segment: " if len(pieces) > 1 else ""
-    of_arc = "first moving arc: " if pieces[0].segment.scenario.kicks else ""
+    of_arc = "first moving arc: " if scenarios[0].kicks else ""
     _draw_vectors(rate, pieces, lambda piece: piece.states.body_rate, r"\omega", "body rate [rad/s]")
-    for position in places:
-        _draw_vectors(position, pieces, lambda piece: piece.position, "", "position [m]")
-    _draw_drifts(energy, momentum, pieces)
+    if moves:
+        _draw_vectors(others[0], pieces, lambda piece: piece.position, "", "position [m]")
+    if drifts:
+        _draw_drifts(others[-2], others[-1], pieces)
+    others[-1].set_xlabel("time since the first sample [s]")
     _draw_polhode(of_space, pieces[0], whose + of_arc)
     resets = reset_times(pieces)
     # many are short marks at the upper edge
     lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
     for axes in curves:
-        if axes is not energy:  # above the axes it hides nothing
+        if axes.get_legend_handles_labels()[1]:  # above the axes it hides nothing
             axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
         axes.grid(alpha=0.3, lw=0.6)
         axes.margins(x=0.0)
@@ -104,7 +109,6 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
         _draw_curve(momentum, t, drift, colour, rf"$L_{name}$", 0.6, alpha=0.6)
     energy.set_ylabel("energy drift\n$(H - H_0)/H_{max}$")
     momentum.set_ylabel("world momentum drift\n$(L - L_0)/|L|_{max}$")
-    momentum.set_xlabel("time since the first sample [s]")
 
 
 def _drifts(piece: RecordedSegment) -> Array:

@@ -110,6 +110,14 @@ def test_degenerate_motions_are_drawn(parameters, tmp_path):
     draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
 
 
+def test_along_a_path_there_are_no_empty_panels(tmp_path):
+    knots = [number for k in range(5) for number in (0.5 * k, k, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)]
+    figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", motion="path", path_knots=knots))))
+    rate, position, _ = figure.axes
+    assert len(rate.get_lines()) == len(position.get_lines()) == 3
+    assert position.get_xlabel()
+
+
 def test_a_single_sample_is_seen(tmp_path):
     figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
     figure.canvas.draw()
