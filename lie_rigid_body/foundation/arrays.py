@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 import sys
 from numbers import Real
+from pathlib import PurePath
 from types import EllipsisType
 from typing import Any, Final, TypeAlias
 
@@ -39,7 +40,9 @@ TO_NANOSECONDS: Final = {
 
 
 def plain(value: object) -> Any:
-    """A number or an array of NumPy, or a view of memory, as numbers and lists of Python."""
+    """A number or an array of NumPy, or a view of memory, as numbers and lists of Python; a path as text."""
+    if isinstance(value, PurePath):
+        return str(value)
     if not isinstance(value, np.ndarray | np.generic | memoryview) or np.asarray(value).dtype.kind in "mM":
         return value  # a time span would become a bare number of its own unit
     return value.tolist()

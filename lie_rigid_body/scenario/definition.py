@@ -407,11 +407,10 @@ class Scenario:
         if self.motion != "path":
             return
         for name in _OF_MECHANICS:
-            if getattr(self, name) != BY_NAME[name].default:
-                raise ParameterError(
-                    name,
-                    f"{shown(getattr(self, name))} is given beside motion path, which tells it: leave it out",
-                )
+            value = getattr(self, name)
+            if value != BY_NAME[name].default:
+                told = shown(list(value) if isinstance(value, tuple) else value)
+                raise ParameterError(name, f"{told} is given beside motion path, which has its own: leave it out")
         if not self.path_knots:
             read = f"{shown(self.path_file)} is read by commands and by simulate: give path_knots here"
             raise ParameterError(

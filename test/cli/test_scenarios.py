@@ -81,8 +81,8 @@ def test_arcs_kicks_and_sway_are_told(capsys: pytest.CaptureFixture[str]) -> Non
         assert 1.0 < told["sway"][f"{name}_at_most"] / np.linalg.norm(values, axis=1).max() < 2.5
 
 
-KNOTS = [[0.1 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] for k in range(5)]
-ON_A_PATH = ["-p", "motion:=path", "-p", f"path_knots:={sum(KNOTS, [])}", "-p", "imu_rate:=10.0"]
+KNOTS = [number for k in range(5) for number in (0.1 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)]
+ON_A_PATH = ["-p", "motion:=path", "-p", f"path_knots:={KNOTS}", "-p", "imu_rate:=10.0"]
 
 
 def test_a_carried_body_without_gravity_and_what_has_no_effect_are_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -60,7 +60,7 @@ def test_a_bag_needs_no_file_to_be_certified_and_read(tmp_path: Path) -> None:
     file = tmp_path / "hand.tum"
     np.savetxt(file, np.reshape(knots(), (-1, 8)), fmt="%.17g")
     given: dict[str, Any] = {"motion": "path", "path_file": str(file), "path_interval": 0.12, **SENSORS}
-    run = simulate(duration=1.5, **given)
+    run = simulate(duration=1.5, **{**given, "path_file": file})
     run.to_bag(tmp_path / "a.mcap")
     words = [word for name, value in given.items() for word in ("-p", f"{name}:={json.dumps(value)}")]
     assert main(["record", str(tmp_path / "b.mcap"), "--duration", "1.5", "--quiet", *words]) == 0
