@@ -174,7 +174,7 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
     inertia = _vector(scenario.inertia)
     rate = _vector(scenario.initial_body_rate)
     until = " until the first kick" if scenario.kicks else ""
-    parts: list[Part] = [
+    return [
         Sentences([f"inertia {inertia} kg m², initial body rate {rate} rad/s"]),
         Table((), _body_rows(description), "Body, with its principal axes in the body frame"),
         Sentences([_TOPS[description.kind][0], *([_FLAT] if description.flat else [])]),
@@ -182,8 +182,8 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Sentences([_regime(description)]),
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
         Sentences([*_conservation(description)], f"Conserved{until}"),
+        *_other_parts(scenario),
     ]
-    return [*parts, *_other_parts(scenario)]
 
 
 def _other_parts(scenario: Scenario) -> list[Part]:

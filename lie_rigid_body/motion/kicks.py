@@ -73,10 +73,9 @@ class Kicks:
         times = [_nanoseconds(seconds) for seconds in rows[:, 0].tolist()]
         for i, (before, after) in enumerate(zip([0, *times], times, strict=False)):
             if not before < after <= _MAX_TIME:
-                than = f"{before / NS:.15g} s, the time of the kick before" if i else "0, the start"
                 raise ParameterError(
                     "kicks",
-                    f"kick {i + 1} is at {rows[i, 0]:.15g} s: give a time above {than}, and at most "
+                    f"kick {i + 1} is at {rows[i, 0]:.15g} s: give a time above {before / NS:.15g} s, and at most "
                     f"{_MAX_TIME / NS:g} s",
                 )
         period_ns = _nanoseconds(period)
@@ -94,7 +93,7 @@ class Kicks:
     @property
     def per_second(self) -> float:
         """Mean number of kicks in a second, for ever; 0 of those that come once."""
-        return len(self) * NS / self.period_ns if self.period_ns else 0.0
+        return len(self) * NS / (self.period_ns or np.inf)
 
     @property
     def rests(self) -> int:
@@ -114,10 +113,7 @@ class Kicks:
 
     def begin_ns(self, arc: int) -> int:
         """Time at which an arc begins, ns since the start: that of its kick, or 0."""
-        if not arc:
-            return 0
-        lap, kick = divmod(arc - 1, len(self))
-        return lap * self.period_ns + int(self.t_ns[kick])
+        return int(self.begins_ns(np.array([arc]))[0])
 
     def begins_ns(self, arcs: Integers) -> Integers:
         """Times at which some arcs begin, ns since the start."""
@@ -126,15 +122,15 @@ class Kicks:
         laps, kicks = np.divmod(arcs - 1, len(self))
         return np.where(arcs > 0, laps * self.period_ns + self.t_ns[kicks], 0)
 
-    def rate(self, arc: int) -> Array:
-        """Body rate, rad/s, right after the kick that begins an arc from 1 on."""
+    def rate(self, arc: int | Integers) -> Array:
+        """Body rate, rad/s, right after the kick that begins an arc from 1 on; of N arcs shape (N, 3)."""
         return np.asarray(self.body_rate[(arc - 1) % len(self)])
 
     def until(self, t_ns: int) -> tuple[Integers, Array]:
         """Times, ns, and body rates, rad/s, of all kicks up to a time, ns."""
         count = self.arc(t_ns)
         numbers = np.arange(1, count + 1)
-        return self.begins_ns(numbers), self.body_rate[(numbers - 1) % max(1, len(self))]
+        return self.begins_ns(numbers), self.rate(numbers)
 
     def parts(self, t_ns: Integers) -> Iterator[tuple[int, Integers]]:
         """The arcs of some times, ns, in the order in which they come: each one's number, and the times' places."""

@@ -18,7 +18,7 @@ from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.array_input import ArraysOnly
-from lie_rigid_body.motion.harmonics import Harmonics, Oscillation
+from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicks import Kicks
 
 _UP: Final = np.array([0.0, 0.0, 1.0])
@@ -60,26 +60,8 @@ class Translation(Protocol):
 
 
 @dataclass(frozen=True)
-class Resting:
-    """A mass centre at rest.
-
-    Attributes
-    ----------
-    position : tuple of float, length 3
-        m.
-    """
-
-    position: Vector
-
-    def at(self, t_ns: Integers) -> MassCentre:
-        """The mass centre at N times, ns since the start."""
-        nothing = np.zeros((2, len(t_ns), 3))
-        return MassCentre(np.tile(self.position, (len(t_ns), 1)), *nothing)
-
-
-@dataclass(frozen=True)
-class Thrown:
-    """A thrown mass centre: x₀ + v₀ t − ½ g t² ẑ.
+class Parabola:
+    """A mass centre that is thrown: x₀ + v₀ t − ½ g t² ẑ. Without gravity it moves evenly, or rests.
 
     Attributes
     ----------
@@ -96,10 +78,10 @@ class Thrown:
     def at(self, t_ns: Integers) -> MassCentre:
         """The mass centre at N times, ns since the start."""
         seconds = (t_ns / NS)[:, np.newaxis]
-        fall = -self.gravity * _UP
+        fall = 0.0 - self.gravity * _UP
         position = self.position + (seconds * self.velocity + (0.5 * seconds * seconds) * fall)
         velocity = self.velocity + seconds * fall
-        return MassCentre(position, velocity, np.broadcast_to(fall, position.shape).copy())
+        return MassCentre(position, velocity, np.tile(fall, (len(t_ns), 1)))
 
 
 class SwayTime(NamedTuple):
@@ -131,21 +113,16 @@ class SwayClock:
         self._ramp_ns = ramp_s * NS
         self._moves_first = not starts_at_rest
         self._moves = kicks.body_rate.any(axis=1)
-        self._always_moves = self._moves_first and bool(self._moves.all())
         # time in motion, ns, from the first kick on to each later one, and of a whole period
         ends = np.append(kicks.t_ns[1:], kicks.t_ns[:1] + kicks.period_ns)
         self._moved = np.append(0, np.cumsum((ends - kicks.t_ns) * self._moves))
 
     def _in_motion(self, arcs: Integers) -> Integers:
         """1 for arcs in motion, 0 for arcs at rest."""
-        if not len(self._kicks):
-            return np.full_like(arcs, self._moves_first)
         return np.where(arcs > 0, self._moves[(arcs - 1) % len(self._kicks)], self._moves_first).astype(np.int64)
 
     def _moved_before(self, arcs: Integers) -> Integers:
         """Time in motion before the begin of each arc, ns."""
-        if not len(self._kicks):
-            return np.zeros_like(arcs)
         laps, kicks = np.divmod(arcs - 1, len(self._kicks))
         first = self._moves_first * self._kicks.t_ns[0]
         return np.where(arcs > 0, first + laps * self._moved[-1] + self._moved[kicks], 0)
@@ -153,8 +130,8 @@ class SwayClock:
     def at(self, t_ns: Integers) -> SwayTime:
         """The sway's time at N times, ns since the start."""
         nothing = np.zeros(len(t_ns))
-        if self._always_moves:
-            return SwayTime(t_ns, nothing, np.ones(len(t_ns)), nothing)
+        if (self._moves == self._moves_first).all():
+            return SwayTime(t_ns * self._moves_first, nothing, nothing + self._moves_first, nothing)
         arcs = self._kicks.arcs(t_ns)
         begins = self._kicks.begins_ns(arcs)
         moving = self._in_motion(arcs)
@@ -192,31 +169,25 @@ class Carried:
     ----------
     position, velocity : tuple of float, length 3
         At the start, m and m/s, without the sway's.
-    sway : Harmonics or None
-        None: there is none.
+    sway : Harmonics
     clock : SwayClock
     """
 
     position: Vector
     velocity: Vector
-    sway: Harmonics | None
+    sway: Harmonics
     clock: SwayClock
 
     @cached_property
     def _origin(self) -> Array:
         """Position of the sway at its time 0, m, shape (1, 3)."""
-        return self._sway_at(np.zeros(1, dtype=np.int64), 0.0).value
-
-    def _sway_at(self, whole_ns: Integers, beyond_ns: Array | float) -> Oscillation:
-        if self.sway is None:
-            return Oscillation(*np.zeros((3, len(whole_ns), 3)))
-        return self.sway.at(whole_ns, beyond_ns)
+        return self.sway.at(np.zeros(1, dtype=np.int64)).value
 
     def at(self, t_ns: Integers) -> MassCentre:
         """The mass centre at N times, ns since the start."""
         seconds = (t_ns / NS)[:, np.newaxis]
         own = self.clock.at(t_ns)
-        sway = self._sway_at(own.whole_ns, own.beyond_ns)
+        sway = self.sway.at(own.whole_ns, own.beyond_ns)
         pace = own.pace[:, np.newaxis]
         change = own.change[:, np.newaxis]
         position = self.position + (seconds * self.velocity + (sway.value - self._origin))

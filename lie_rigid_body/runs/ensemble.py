@@ -271,6 +271,9 @@ for _name in WITHHELD:
 class BlindRun(Run):
     """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
 
+    _centre = None
+    vibration = None  # its phases would tell what the accelerometer reads beside the motion
+
     @classmethod
     def without_truth(cls, run: Run, given: tuple[str, ...] = ()) -> BlindRun:
         """The readings of a run, without its truth, its faults and the true biases, and parameters that are given."""
@@ -302,15 +305,6 @@ class BlindRun(Run):
             "magnetometer": SensorArrays(field_t_ns, field_t_ns, {"field": vectors["field"]}),
         }
         return cls(t_ns, _NO_TRUTH, sensors, _blind(scenario))
-
-    @property
-    def _centre(self) -> None:
-        return None
-
-    @property
-    def vibration(self) -> None:
-        """None: its phases would tell what the accelerometer reads beside the motion."""
-        return None
 
     def __getattribute__(self, name: str) -> Any:
         if name in _TELLING:

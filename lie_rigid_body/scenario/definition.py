@@ -25,7 +25,7 @@ from lie_rigid_body.motion.kicked_steps import KickedSteps
 from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.path import Knots, PathTranslation, PosePath
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
-from lie_rigid_body.motion.translation import Carried, Resting, SwayClock, Thrown, Translation, ramp_s
+from lie_rigid_body.motion.translation import Carried, Parabola, SwayClock, Translation, ramp_s
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
 from lie_rigid_body.sensors.noise import NoiseSource, harmonics
@@ -271,14 +271,13 @@ class Scenario:
         """Motion of the mass centre."""
         if path := self.path():
             return PathTranslation(path)
-        if self.translation == "none":
-            return Resting(self.initial_position)
-        if self.translation == "thrown":
-            gravity = cast(float, self.value("gravity"))
-            return Thrown(self.initial_position, self.initial_velocity, gravity)
-        starts_at_rest = not any(self.initial_body_rate)
-        clock = SwayClock(self.kick_schedule(), starts_at_rest=starts_at_rest, ramp_s=ramp_s(self.sway_band))
-        return Carried(self.initial_position, self.initial_velocity, self.sway(), clock)
+        if sway := self.sway():
+            starts_at_rest = not any(self.initial_body_rate)
+            clock = SwayClock(self.kick_schedule(), starts_at_rest=starts_at_rest, ramp_s=ramp_s(self.sway_band))
+            return Carried(self.initial_position, self.initial_velocity, sway, clock)
+        velocity = self.initial_velocity if self.moves else (0.0, 0.0, 0.0)
+        gravity = cast(float, self.value("gravity")) if self.translation == "thrown" else 0.0
+        return Parabola(self.initial_position, velocity, gravity)
 
     def carrier(self) -> Carrier:
         """Carrier of the sensors: the body, and its acceleration."""
@@ -409,7 +408,7 @@ class Scenario:
         for name in _OF_MECHANICS:
             value = getattr(self, name)
             if value != BY_NAME[name].default:
-                told = shown(list(value) if isinstance(value, tuple) else value)
+                told = shown(np.array(value).tolist())
                 raise ParameterError(name, f"{told} is given beside motion path, which has its own: leave it out")
         if not self.path_knots:
             read = f"{shown(self.path_file)} is read by commands and by simulate: give path_knots here"
