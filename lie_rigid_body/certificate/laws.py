@@ -113,6 +113,8 @@ class SegmentLaws:
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
         angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
         yield angle + closed_form_error(speeds, elapsed_ns), self._limit
+        # a rest between kicks is exact by every method: any other rate is infinitely far; one on a path is computed
+        speeds[~exact.body_rate.any(axis=1)] *= self._slack > 0.0
         yield _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds), RATE_FACTOR * self._limit
         yield np.abs(norm - 1.0), MAX_NORM_ERROR
         yield np.where(cosine < 0.0, 2.0, 0.0), 1.0

@@ -110,6 +110,14 @@ def test_the_least_change_is_refused(honest: Path, change: Change, laws: set[str
     assert laws <= broken(certify(tamper(honest, tmp_path / "changed.mcap", change)))
 
 
+def test_a_rest_that_moves_is_refused_of_every_method(tmp_path: Path) -> None:
+    path = bag_of(tmp_path / "stepped.mcap", **MOTIONS["rkmk4"])
+    assert certify(path).passed
+    assert broken(certify(tamper(path, tmp_path / "moved.mcap", on("/twist", at(RESTING, moved(1, 1e-15)))))) == {
+        "body rate"
+    }
+
+
 def test_a_far_position_is_held_to_its_last_digits(tmp_path: Path) -> None:
     path = bag_of(tmp_path / "far.mcap", initial_position=[1e6, 0.0, 0.0], motion="closed_form")
     assert certify(path).passed
