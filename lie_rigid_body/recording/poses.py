@@ -16,8 +16,10 @@ from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.motion.path import RISING, Knots, refuse_first, require_path
-from lie_rigid_body.recording.bag_files import SUFFIXES, BagFiles
-from lie_rigid_body.recording.topic_messages import POSE_TYPES, read_attitudes
+from lie_rigid_body.recording.bag_files import SUFFIXES
+from lie_rigid_body.recording.logs.times import nanoseconds
+from lie_rigid_body.recording.sqlite_reader import bag_contents
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, POSE_TYPES, read_attitudes
 from lie_rigid_body.scenario.parameter_table import read_parameters
 from lie_rigid_body.system.bounded_input import read_text, real
 
@@ -69,34 +71,53 @@ def read_poses(path: str | Path) -> Knots:
     BagError
         If it is a bag that cannot be read.
     """
-    is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
-    times, poses = _of_bag(Path(path)) if is_bag else _of_text(path)
+    times, poses = stamped_poses(path)
     since = np.array([time - times[0] for time in times], dtype=np.int64)
+    refuse_first(f"{path}", "pose", since / NS, {RISING: np.diff(since, prepend=-1) <= 0})
+    return Knots(since, poses[:, :3], poses[:, 3:])
+
+
+def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int], Array]:
+    """Stamps, ns, and poses, shape (N, 7), of a text file or of a bag; without a position it is 0.
+
+    Parameters
+    ----------
+    path : str or Path
+    topic : str, optional
+        Topic of the bag, of any type with an attitude. By default the one of poses, or of several that is called so.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or a quaternion is not near unit norm.
+    BagError
+        If it is a bag that cannot be read.
+    """
+    is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
+    times, poses = _of_bag(Path(path), topic) if is_bag else _of_text(path)
     lengths = quaternion.norm(poses[:, 3:])
-    faults = {
-        RISING: np.diff(since, prepend=-1) <= 0,
-        f"has a quaternion whose norm is not 1 to {MAX_NORM_ERROR:g}: give unit quaternions": (
-            ~(np.abs(lengths - 1.0) <= MAX_NORM_ERROR)
-        ),
-    }
-    refuse_first(f"{path}", "pose", since / NS, faults)
-    return Knots(since, poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis])
+    told = f"has a quaternion whose norm is not 1 to {MAX_NORM_ERROR:g}: give unit quaternions"
+    since = np.array([(time - times[0]) / NS for time in times])
+    refuse_first(f"{path}", "pose", since, {told: ~(np.abs(lengths - 1.0) <= MAX_NORM_ERROR)})
+    return times, np.column_stack([poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis]])
 
 
-def _of_bag(path: Path) -> tuple[list[int], Array]:
-    """Stamps, ns, and poses, shape (N, 7), of the one topic of poses in a bag, or of the one that is called so."""
-    contents = BagFiles(path).contents(lambda topic, kind: kind in POSE_TYPES)
-    found = sorted(
-        track.topic for track in contents.tracks.values() if track.count and track.message_type in POSE_TYPES
-    )
-    named = [topic for topic in found if f"/{topic}".endswith(f"/{POSE}")] if len(found) > 1 else found
-    if len(named) != 1:
-        raise InputError(
-            f"{path} has poses on {listed(found) or 'no topic'}: give a bag with one such topic, or one .../{POSE}"
+def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:
+    """Stamps, ns, and poses of a topic, or of the one of poses."""
+    contents = bag_contents(path, lambda _, kind: kind in ATTITUDE_TYPES)
+    if topic is None:
+        found = sorted(
+            each.topic for each in contents.tracks.values() if each.count and each.message_type in POSE_TYPES
         )
-    track = read_attitudes(path, contents, named[0])
-    assert track.position is not None
-    return track.stamps_ns.tolist(), np.column_stack([track.position, track.attitude_xyzw])
+        named = [each for each in found if f"/{each}".endswith(f"/{POSE}")] if len(found) > 1 else found
+        if len(named) != 1:
+            raise InputError(
+                f"{path} has poses on {listed(found) or 'no topic'}: give a bag with one such topic, or one .../{POSE}"
+            )
+        topic = named[0]
+    track = read_attitudes(path, contents, topic)
+    position = np.zeros((len(track), 3)) if track.position is None else track.position
+    return track.stamps_ns.tolist(), np.column_stack([position, track.attitude_xyzw])
 
 
 def _of_text(path: str | Path) -> tuple[list[int], Array]:
@@ -110,20 +131,10 @@ def _of_text(path: str | Path) -> tuple[list[int], Array]:
         try:
             unit, columns = _LAYOUTS["," in line, len(cells)]
             numbers = [*map(real, cells), 0.0]
-            times.append(_nanoseconds(cells[0], unit))
+            times.append(nanoseconds(cells[0], unit))
         except (KeyError, ValueError):
             raise InputError(f"{path}, line {number}: {shown(line)} is no pose: give {_KINDS}") from None
         poses.append([numbers[column] for column in columns])
     if not times:
         raise InputError(f"{path} has no pose: give {_KINDS}")
     return times, np.array(poses)
-
-
-def _nanoseconds(text: str, unit: int) -> int:
-    """A time in units of so many ns, as its decimal tells it, in ns; of a time in ns a whole one."""
-    if not abs(float(text)) * unit < 2**62:
-        raise ValueError(f"no time: {text!r}")
-    time = Decimal(text) * unit
-    if unit == 1 and time % 1:
-        raise ValueError(f"no whole ns: {text!r}")
-    return round(time)
