@@ -472,7 +472,7 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text("t,ax,ay,az", *[",".join(line.split(",")[:4]) for line in LINES]), {}, "no gyro"),
     (text("n,gx,gy,gz", *[",".join(line.split(",")[:4]) for line in LINES]), {}, "no time"),
     (text("t,gx,gy,gz", *["5,0,0,0"] * 9), {}, "no time"),
-    (text(*LINES), {}, "--columns"),
+    (text(*LINES), {}, "such as t=1"),
     (text(HEADER, *LINES), {"columns": {"gyro_q": "gx"}}, "gyro_x"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": "hx"}}, "hx"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": 99}}, "99"),

@@ -18,6 +18,7 @@ from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, Hea
 from lie_rigid_body.recording.logs.sources import sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
 from lie_rigid_body.recording.logs.times import Clock, share_that_rises
+from lie_rigid_body.system.bounded_input import real
 
 FIELDS: Final = ("t", *(f"{sensor}_{axis}" for sensor in (GYRO, ACCELEROMETER, MAGNETOMETER) for axis in "xyz"))
 """Names by which columns are given."""
@@ -99,7 +100,7 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
         found.setdefault(triple.sensor, []).append(triple)
     if GYRO not in found:
         there = "; ".join(table.columns for table in tables[:3])
-        raise InputError(f"{path} has no gyro, but {there}: name its columns, as by --columns t=1,gyro_x=2:deg/s")
+        raise InputError(f"{path} has no gyro, but {there}: name its columns, such as t=1, gyro_x=2:deg/s")
     lacks = ACCELEROMETER in found and found[ACCELEROMETER][0].without_gravity
     chosen = {sensor: alike[0] for sensor, alike in found.items() if sensor != GRAVITY or lacks}
     read = dict[str, Vectors]()
@@ -215,16 +216,19 @@ def _read(table: TextTable, triples: Sequence[Triple], taken: list[str]) -> dict
 
 def _numbers(cells: Sequence[str], refuse: Callable[[int, str], InputError]) -> Array:
     """Numbers of a column, NaN for an empty cell."""
+    try:
+        found = np.array([float(cell) for cell in cells])
+        if np.isfinite(found).all() and "_" not in "".join(cells):
+            return found
+    except ValueError:  # a cell is empty, has a decimal comma, or is no number
+        pass
     found = np.full(len(cells), np.nan)
     for row, cell in enumerate(cells):
         if cell:
             try:
-                found[row] = float(cell if "_" not in cell else "")
+                found[row] = real(cell.replace(",", "."))
             except ValueError:
-                try:
-                    found[row] = float(cell.replace(",", ".").replace("_", "no number"))
-                except ValueError:
-                    raise refuse(row, f"{shown(cell)} is no number") from None
+                raise refuse(row, f"{shown(cell)} is no number") from None
             if not abs(found[row]) < np.inf:
                 raise refuse(row, f"{shown(cell)} is not finite")
     return found
@@ -237,5 +241,5 @@ def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> in
     own = [column for column, head in columns.items() if sensor_of(head.words) == sensor]
     others = [column for column, head in columns.items() if sensor_of(head.words) is None]
     if not columns:
-        raise InputError(f"{table.source.name} has no time, but {table.columns}: name it, as by --columns t=1")
+        raise InputError(f"{table.source.name} has no time, but {table.columns}: name its column, such as t=1")
     return max(given or own or others or columns, key=lambda column: share_that_rises([row[column] for row in rows]))

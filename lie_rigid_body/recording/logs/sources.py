@@ -70,8 +70,8 @@ class TextSource:
                     raise InputError(f"{self.name} {told}, it begins {shown(line[:8])}: give a CSV or a bag")
                 if size > MAX_TEXT_BYTES:
                     raise InputError(f"{self.name} has more than {MAX_TEXT_BYTES} bytes of text: give a part of it")
-                text = line.decode("utf-8-sig", "surrogateescape").rstrip("\r\n")
-                yield _LATIN.sub(lambda byte: chr(ord(byte[0]) - 0xDC00), text)
+                text = line.decode("utf-8", "surrogateescape").strip("\ufeff\r\n")
+                yield text if text.isascii() else _LATIN.sub(lambda byte: chr(ord(byte[0]) - 0xDC00), text)
 
     @contextmanager
     def _opened(self) -> Iterator[BinaryIO]:

@@ -44,6 +44,8 @@ def nanoseconds(text: str, unit: int) -> int:
     """
     if not abs(float(text)) * unit < 2**62:
         raise ValueError(f"no time: {text!r}")
+    if text.isdecimal():
+        return int(text) * unit
     time = Decimal(text) * unit
     if unit == 1 and time % 1:
         raise ValueError(f"no whole ns: {text!r}")
@@ -120,20 +122,20 @@ class Clock:
             return
         found = _unit(head, numbers, unit)
         if found is None:
-            remedy = f"name another, or its unit, as by --columns 't={head.text}:ms'"
+            remedy = f"name another column, or its unit, such as t={head.text}:ms"
             raise InputError(f"{name}: size and steps of {shown(head.text)} are those of no time: {remedy}")
         self._unit, self._told = found
         self._period = _WRAPS * self._unit
 
     def at(self, texts: Sequence[str], refuse: Callable[[int, str], InputError]) -> Integers:
         """Times of texts, ns."""
-        found = np.full(len(texts), self.MISSING)
-        for row, text in enumerate(texts):
-            try:
-                found[row] = self._read(text.replace(",", "."), self._unit) if text else self.MISSING
-            except (ValueError, ArithmeticError):
-                raise refuse(row, f"{shown(text)} is no time") from None
-        return found
+        found = list[int]()
+        try:
+            for text in texts:
+                found.append(self._read(text.replace(",", "."), self._unit) if text else self.MISSING)
+        except (ValueError, ArithmeticError):
+            raise refuse(len(found), f"{shown(texts[len(found)])} is no time") from None
+        return np.array(found, dtype=np.int64)
 
     def unwrapped(self, t_ns: Integers) -> tuple[Integers, str]:
         """Times, ns, that go on where a counter of 32 bits, or the clock at midnight, begins anew, and words."""
