@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import quote
 
 from lie_rigid_body.foundation.errors import BagError
@@ -21,6 +20,9 @@ from lie_rigid_body.recording.mcap_contents import (
     TopicFilter,
     TopicKey,
 )
+
+if TYPE_CHECKING:
+    import sqlite3
 
 _PART: Final = 10_000
 """Messages that are read at once."""
@@ -74,6 +76,8 @@ def _messages(file: Path, keys: Collection[TopicKey], progress: Progress) -> Ite
 @contextmanager
 def _opened(file: Path) -> Iterator[sqlite3.Connection]:
     """A file opened for reading only."""
+    import sqlite3  # which a Python may lack
+
     try:
         with closing(sqlite3.connect(f"file:{quote(str(file.resolve()))}?mode=ro", uri=True)) as bag:
             yield bag

@@ -76,6 +76,8 @@ def truth_of(log: Log, given: GivenTruth) -> SampledTruth | None:
         given = given.stamps_ns, given.at(given.stamps_ns)
     if isinstance(given, str | Path):
         is_file = Path(given).exists()
+        if not is_file and log.gyro.arrival_ns is None:
+            raise InputError(f"truth {given} is no file, and {log.name} no bag with topics: give its path")
         times, poses = stamped_poses(given if is_file else log.name, None if is_file else f"{given}")
         given = times, poses[:, 3:]
     if not isinstance(given, tuple) or len(given) != 2:

@@ -266,6 +266,24 @@ def plot_juggler(path: Path) -> Path:
     return path
 
 
+def rostopic(path: Path) -> Path:
+    header = "%time,field.header.seq,field.header.stamp,field.header.frame_id,"
+    header += axes("field.orientation.", "", "xyzw") + "," + axes("field.orientation_covariance", "", "0123") + ","
+    header += axes("field.angular_velocity.") + "," + axes("field.angular_velocity_covariance", "", "012") + ","
+    header += axes("field.linear_acceleration.")
+    columns = [T, 0 * T, T, TEXTS, *[SINCE_S] * 8, GYRO, 0 * GYRO, ACC]
+    return write(path / "r.csv", header, columns)
+
+
+def px4_with_other_topics(path: Path) -> Path:
+    folder = px4(path)
+    us = (T - T[0]) // 1000
+    write(folder / "f_sensor_mag_0.csv", "timestamp,device_id,x,y,z", [us, us, 0 * MAG])
+    write(folder / "f_vehicle_local_position_0.csv", "timestamp,x,y,z,ax,ay,az", [us, 0 * MAG, 0 * MAG])
+    write(folder / "f_estimator_states_0.csv", "timestamp,gyro_bias[0],gyro_bias[1],gyro_bias[2]", [us, 0 * MAG])
+    return folder
+
+
 def own_bag(path: Path) -> Path:
     RUN.to_bag(path / "own.mcap")
     return path / "own.mcap"
@@ -308,6 +326,7 @@ ROWS: list[tuple[Make, str]] = [
     (x_imu3, "no known unit"),
     (euroc, "in ns"),
     (px4, "in µs by its"),
+    (px4_with_other_topics, "converted to T"),
     (sensor_log, "opposite"),
     (andro_sensor, "Time since start in ms"),
     (vmu931, "VMU931"),
@@ -322,6 +341,7 @@ ROWS: list[tuple[Make, str]] = [
     (sketch_with_underscores, "in s by its steps"),
     (betaflight, "Betaflight"),
     (plot_juggler, "in s by its size"),
+    (rostopic, "in ns by its size"),
     (own_bag, "/imu/data_raw"),
     (sqlite, "/imu/data_raw"),
     (lambda path: sqlite(path, 3), "/imu/data_raw"),

@@ -132,6 +132,7 @@ def test_declared_sensors_give_a_bound() -> None:
         lambda run: Run.from_arrays([], np.empty((0, 3)), np.empty((0, 3))),
         lambda run: Run.from_arrays(ARRAYS[0], ARRAYS[1] * np.nan, ARRAYS[2]),
         lambda run: Run.from_arrays(*ARRAYS, truth=(TRUE.t_ns + 10**12, TRUTH[1])),
+        lambda run: Run.from_arrays(*ARRAYS, truth="none.tum"),
         lambda run: Run.from_arrays(*ARRAYS, truth=TRUTH[1]),
         lambda run: Run.from_arrays(*ARRAYS, truth=(TRUE.t_ns, TRUTH[1] * np.nan)),
     ],

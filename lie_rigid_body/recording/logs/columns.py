@@ -95,8 +95,10 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
         begins = next((f"begins {shown(line)}" for line in lines), "is empty")
         raise InputError(f"{path} has no row of numbers, it {begins}: give a CSV of readings, or a bag")
     tables = _named(tables, columns)
+    triples = [triple for table in tables for triple in _triples(table)]
+    has_gravity = any(triple.sensor == GRAVITY for triple in triples)
     found = dict[str, list[Triple]]()
-    for triple in sorted((each for table in tables for each in _triples(table)), key=lambda each: each.rank):
+    for triple in sorted(triples, key=lambda each: each.rank - (has_gravity and 1.5 * each.without_gravity)):
         found.setdefault(triple.sensor, []).append(triple)
     if GYRO not in found:
         there = "; ".join(table.columns for table in tables[:3])
@@ -168,8 +170,9 @@ def _triples(table: TextTable) -> Iterator[Triple]:
         of_logger = table.program[0] == "Sensor Logger" and every == {ACCELEROMETER}
         is_free = sensor == ACCELEROMETER and (of_logger or not (is_ros or every.isdisjoint(_WITHOUT_GRAVITY)))
         is_opposite = sensor in (ACCELEROMETER, GRAVITY) and (words[:1] == ("motion",) or words[:2] == _APPLE)
-        rank = 2.0 * is_free + (not every.isdisjoint(_COMPUTED)) - ("total" in every) - 9.0 * (_GIVEN in words)
         columns = [axes[axis] for axis in range(3)]
+        rank = 2.0 * is_free + (not every.isdisjoint(_COMPUTED)) - ("total" in every) - 9.0 * (_GIVEN in words)
+        rank -= 0.25 * bool(table.headings[columns[0]].unit)
         yield Triple(table, sensor, columns, rank, is_free, -1.0 if is_opposite else 1.0)
 
 

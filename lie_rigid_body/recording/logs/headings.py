@@ -16,32 +16,40 @@ GRAVITY: Final = "gravity"
 """The vertical that a phone computes, which is what its linear acceleration lacks."""
 STANDARD_GRAVITY: Final = 9.80665
 """The unit g, m/s²."""
-_PER_SECOND: Final = {"rad/s": 1.0, "rads-1": 1.0, "rad": 1.0, "rads": 1.0}
-_DEGREES: Final = dict.fromkeys(("deg/s", "degs-1", "°/s", "°s-1", "dps", "degs", "deg"), math.pi / 180.0)
+
+
+def _units(names: str, factor: float) -> dict[str, float]:
+    return dict.fromkeys(names.split(), factor)
+
+
+_DEGREE: Final = math.pi / 180.0
 _ACCELERATIONS: Final = {
-    **dict.fromkeys(("m/s2", "ms-2", "m/s/s", "mps2", "ms2", "m/s²"), 1.0),
+    **_units("m/s2 ms-2 m/s/s mps2 ms2", 1.0),
     "g": STANDARD_GRAVITY,
     "mg": 1e-3 * STANDARD_GRAVITY,
 }
-_TIMES: Final = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1e9),
-    **dict.fromkeys(("ms", "msec", "millis", "milliseconds"), 1e6),
-    **dict.fromkeys(("us", "μs", "usec", "micros", "microseconds"), 1e3),
-    **dict.fromkeys(("ns", "nsec", "nanos", "nanoseconds"), 1.0),
-}
 UNITS: Final[Mapping[str, Mapping[str, float]]] = {
-    GYRO: {**_PER_SECOND, **_DEGREES, "mdps": math.pi / 180e3},
+    GYRO: {
+        **_units("rad/s rads-1 rads rad", 1.0),
+        **_units("deg/s degs-1 °/s °s-1 dps degs deg", _DEGREE),
+        "mdps": 1e-3 * _DEGREE,
+    },
     ACCELEROMETER: _ACCELERATIONS,
     GRAVITY: _ACCELERATIONS,
     MAGNETOMETER: {
-        **dict.fromkeys(("t", "tesla"), 1.0),
+        **_units("t tesla", 1.0),
         "mt": 1e-3,
-        **dict.fromkeys(("ut", "μt", "microtesla"), 1e-6),
+        **_units("ut μt microtesla", 1e-6),
         "nt": 1e-9,
-        **dict.fromkeys(("g", "ga", "gauss"), 1e-4),
-        **dict.fromkeys(("mg", "mga", "mgauss", "milligauss"), 1e-7),
+        **_units("g ga gauss", 1e-4),
+        **_units("mg mga mgauss milligauss", 1e-7),
     },
-    TIME: _TIMES,
+    TIME: {
+        **_units("s sec secs second seconds", 1e9),
+        **_units("ms msec millis milliseconds", 1e6),
+        **_units("us μs usec micros microseconds", 1e3),
+        **_units("ns nsec nanos nanoseconds", 1.0),
+    },
 }
 """Units by quantity, as `unit_key` writes them, in rad/s, m/s², T and ns."""
 SI: Final = {GYRO: "rad/s", ACCELEROMETER: "m/s²", GRAVITY: "m/s²", MAGNETOMETER: "T"}
@@ -61,9 +69,14 @@ _SENSOR_WORDS: Final = (
     (MAGNETOMETER, re.compile(r"mag|magn|magnet\w*")),
 )
 _SHORT: Final = {
-    **dict.fromkeys(("g", "w", "wrss"), GYRO),
-    **dict.fromkeys(("a", "arss", "gf"), ACCELEROMETER),
-    **dict.fromkeys(("m", "b"), MAGNETOMETER),
+    "g": GYRO,
+    "w": GYRO,
+    "wrss": GYRO,
+    "a": ACCELEROMETER,
+    "arss": ACCELEROMETER,
+    "gf": ACCELEROMETER,
+    "m": MAGNETOMETER,
+    "b": MAGNETOMETER,
 }
 """Names of one letter, those of EuRoC (``w_RS_S_x``) and the g-force of Physics Toolbox (``gFx``)."""
 _OTHERS: Final = re.compile(
@@ -122,7 +135,7 @@ def unit_key(text: str) -> str:
 
 def heading(text: str) -> Heading:
     """Read the header of a column."""
-    name = unicodedata.normalize("NFKC", text).strip().lstrip("#").strip()
+    name = unicodedata.normalize("NFKC", text).strip().lstrip("#%").strip()
     brackets = [each for each in _BRACKETS.findall(text) if each not in ("0", "1", "2")]
     name = _BRACKETS.sub(lambda found: f"_{found[1]}" if found[1] in ("0", "1", "2") else " ", name).strip()
     unit = brackets[-1] if brackets else ""
@@ -131,21 +144,22 @@ def heading(text: str) -> Heading:
         name = f"{name[: tail.start()]}{tail['axis'] or ''}"
     words = [word.lower() for word in _WORDS.findall(name)]
     words = [word for word in words if word != "axis"]
-    return Heading(text.strip().lstrip("#").strip(), *_split(words), unit)
+    return Heading(text.strip().lstrip("#%").strip(), *_split(words), unit)
 
 
 def _split(words: list[str]) -> tuple[tuple[str, ...], int | None]:
     """Words without the axis, and the axis: a word of its own, or the last letter of a sensor's name."""
     joined = "".join(words)
-    axes = {**dict(zip("xyz", range(3), strict=True)), **dict(zip("012", range(3), strict=True))}
-    if joined[:-1] in _SHORT and joined[-1] in axes:
-        return (joined[:-1],), axes[joined[-1]]
-    if words and words[-1] in axes:
-        return tuple(words[:-1]), axes[words[-1]]
-    if words and words[0] in axes and words[0].isalpha():
-        return tuple(words[1:]), axes[words[0]]
-    if words and words[-1][-1] in "xyz" and sensor_of([words[-1][:-1]]):
-        return (*words[:-1], words[-1][:-1]), axes[words[-1][-1]]
+    axis = "xyz012".find(joined[-1:]) % 3
+    if not joined or joined[-1] not in "xyz012":
+        if words[:1] and words[0] in ("x", "y", "z"):
+            return tuple(words[1:]), "xyz".index(words[0])
+        return tuple(words), None
+    if joined[:-1] in _SHORT:
+        return (joined[:-1],), axis
+    stem = words[-1][:-1]
+    if not stem or sensor_of([stem]):
+        return (*words[:-1], *([stem] if stem else [])), axis
     return tuple(words), None
 
 

@@ -20,8 +20,8 @@ _FIRST_ROWS: Final = 1000
 _BLOCK: Final = 10_000
 _MIN_CELLS: Final = 4
 """Cells of the smallest table: a time and three axes."""
-_COMMENTS: Final = ("#", "//", "%", "sep=")
-"""Beginnings of lines that are no rows; a header may stand behind the first."""
+_COMMENTS: Final = ("#", "%", "//", "sep=")
+"""Beginnings of lines that are no rows; a header may stand behind the first two."""
 _LONG: Final = ("Attribute", "Time stamp", "x", "y", "z")
 """Columns of a table whose rows name their sensor."""
 
@@ -116,8 +116,8 @@ def read_table(source: TextSource) -> TextTable | None:
                 named = [*_LONG] if of_sensor else [f"{i}" for i in range(1, len(cells) + 1)]
             words = heading(cells[0] if named[0] == _LONG[0] else source.stem).words
             return TextTable(source, separator, tuple(map(heading, named)), number, words)
-        if len(cells) >= _MIN_CELLS and not line.startswith(_COMMENTS[1:]):
-            header = line.lstrip("#")
+        if len(cells) >= _MIN_CELLS and not line.startswith(_COMMENTS[2:]):
+            header = line.lstrip("#%")
     return None
 
 
