@@ -69,6 +69,8 @@ class Triple:
         factors = self.sign * np.array([known.get(unit_key(unit), 1.0) for unit in units])
         unit = units[0]
         si = SI[self.sensor]
+        if len({*units}) > 1:
+            raise InputError(f"{self.name} have the units {listed([*map(shown, units)])}: give one to all three axes")
         if not unit:
             told = f"taken as {si}, as no unit is given"
         elif unit_key(unit) in known:
@@ -130,7 +132,7 @@ def _named(tables: list[TextTable], columns: Mapping[str, str | int]) -> list[Te
         if field not in FIELDS:
             raise InputError(f"columns: no field {shown(field)}: {suggestion(f'{field}', FIELDS, 'fields')}")
         places = [(own, *place) for own, table in zip(given, tables, strict=True) if (place := _find(table, f"{name}"))]
-        if not places:
+        if not places or (len(tables) > 1 and f"{name}".partition(":")[0].isdecimal()):
             texts = [head.text for table in tables for head in table.headings]
             raise InputError(f"columns: no column {shown(name)}: {suggestion(f'{name}', texts, 'columns')}")
         sensor, _, axis = field.partition("_")

@@ -6,9 +6,9 @@ import re
 import zipfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import IO, Final
 
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -62,7 +62,13 @@ class TextSource:
             If it cannot be read, is damaged, is no text, or is longer than is read.
         """
         size = 0
-        with self._opened() as stream:
+        with _refusing(self.name), ExitStack() as stack:
+            stream: IO[bytes]
+            if self.member:
+                archive = stack.enter_context(zipfile.ZipFile(self.path))
+                stream = stack.enter_context(archive.open(self.member))
+            else:
+                stream = stack.enter_context(open_file(self.path))
             while line := stream.readline(MAX_LINE_BYTES + 1):
                 size += len(line)
                 if len(line) > MAX_LINE_BYTES or b"\0" in line:
@@ -73,23 +79,6 @@ class TextSource:
                 text = line.decode("utf-8", "surrogateescape").strip("\ufeff\r\n")
                 yield text if text.isascii() else _LATIN.sub(lambda byte: chr(ord(byte[0]) - 0xDC00), text)
 
-    @contextmanager
-    def _opened(self) -> Iterator[BinaryIO]:
-        """The bytes of the file, whose errors name it."""
-        try:
-            if not self.member:
-                with open_file(self.path) as stream:
-                    yield stream
-                return
-            with zipfile.ZipFile(self.path) as archive, archive.open(self.member) as member:
-                yield member  # type: ignore[misc]
-        except OSError as error:
-            raise InputError(f"{self.name} cannot be read: {reason(error)}: give a CSV or a bag") from None
-        except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, NotImplementedError) as error:
-            if isinstance(error, InputError):
-                raise
-            raise _damaged(self.path, error) from None
-
 
 def sources_of(path: Path) -> list[TextSource]:
     """The text files of a path: the file itself, or the tables in a folder or a zip.
@@ -99,25 +88,28 @@ def sources_of(path: Path) -> list[TextSource]:
     InputError
         If there is none, or the zip is damaged.
     """
-    if path.is_dir():
-        inside = sorted(each.name for each in path.iterdir() if each.is_file())
-        return [TextSource(path / name) for name in _tables(path, inside)]
-    if not _is_zip(path):
-        return [TextSource(path)]
-    try:
-        with zipfile.ZipFile(path) as archive:
-            inside = sorted(archive.namelist())
-    except (zipfile.BadZipFile, ValueError, NotImplementedError, OSError) as error:
-        raise _damaged(path, error) from None
-    return [TextSource(path, name) for name in _tables(path, inside)]
-
-
-def _is_zip(path: Path) -> bool:
-    try:
+    with _refusing(f"{path}"):
+        if path.is_dir():
+            inside = sorted(each.name for each in path.iterdir() if each.is_file())
+            return [TextSource(path / name) for name in _tables(path, inside)]
         with open_file(path) as stream:
-            return stream.read(len(_ZIP)) == _ZIP
+            if stream.read(len(_ZIP)) != _ZIP:
+                return [TextSource(path)]
+        with zipfile.ZipFile(path) as archive:
+            return [TextSource(path, name) for name in _tables(path, sorted(archive.namelist()))]
+
+
+@contextmanager
+def _refusing(name: str) -> Iterator[None]:
+    """Context in which a file is read, whose errors name it."""
+    try:
+        yield
+    except InputError:
+        raise
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {reason(error)}: give the path of a log") from None
+        raise InputError(f"{name} cannot be read: {reason(error)}: give a CSV or a bag") from None
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError) as error:
+        raise InputError(f"{name} is damaged or locked, {error}: unpack the zip, and give the folder") from None
 
 
 def _tables(path: Path, names: list[str]) -> list[str]:
@@ -127,7 +119,3 @@ def _tables(path: Path, names: list[str]) -> list[str]:
         there = f"{len(found)} tables" if found else listed([shown(name) for name in names]) or "nothing"
         raise InputError(f"{path} holds {there}, where a log has one to {MAX_FILES} CSV files: give a log")
     return found
-
-
-def _damaged(path: Path, error: Exception) -> InputError:
-    return InputError(f"{path} is a damaged or locked zip, {error}: unpack it, and give the folder")
