@@ -147,11 +147,11 @@ def _named(tables: list[TextTable], columns: Mapping[str, str | int]) -> list[Te
 def _find(table: TextTable, name: str) -> tuple[int, str] | None:
     """The column with a header, or of a number from 1 on, and the unit that is given behind it."""
     texts = [head.text for head in table.headings]
+    numbers = [f"{i}" for i in range(1, len(texts) + 1)]
     for text, unit in ((name, ""), name.rpartition(":")[::2]):
-        if text in texts:
-            return texts.index(text), unit
-        if text.isdecimal() and 1 <= int(text) <= len(texts):
-            return int(text) - 1, unit
+        for names in (texts, numbers):
+            if text in names:
+                return names.index(text), unit
     return None
 
 

@@ -10,7 +10,7 @@ from typing import Final
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed
+from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.recording.bag_files import METADATA_FILE, SUFFIXES
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors, read_bag
 from lie_rigid_body.recording.logs.columns import read_tables
@@ -76,6 +76,8 @@ def read_log(
         If it is a bag that cannot be read.
     """
     file = as_path(path, "log")
+    if not isinstance(columns, Mapping | None):
+        raise InputError(f'columns {shown(columns)}: give fields and columns, such as {{"gyro_x": "wx:deg/s"}}')
     if file.suffix.lower() == _ROS_1:
         raise InputError(f"{file} is a bag of ROS 1: convert it by rosbags-convert --src {file.name} --dst {file.stem}")
     if _is_bag(file):
@@ -94,7 +96,7 @@ def read_log(
 def _is_bag(file: Path) -> bool:
     if file.is_dir():
         return (file / METADATA_FILE).exists() or any(
-            each.suffix.lower() in SUFFIXES or each.name.lower().endswith(".mcap.zstd") for each in file.iterdir()
+            each.suffix.lower() in SUFFIXES or each.name.lower().endswith(".mcap.zstd") for each in file.glob("*")
         )
     return file.suffix.lower() in SUFFIXES
 

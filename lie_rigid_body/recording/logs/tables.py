@@ -128,5 +128,8 @@ def _is_row(cells: Sequence[str]) -> bool:
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    row = next(csv.reader([line.strip(" ")], delimiter=separator, skipinitialspace=True), [])
+    try:
+        row = next(csv.reader([line.strip(" ")], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:  # a cell is too long
+        return []
     return [cell.strip() for cell in row]

@@ -78,13 +78,17 @@ def first_times(texts: Sequence[str]) -> tuple[Array, bool]:
 
 def is_clock(text: str) -> bool:
     """Whether a text is a time of day."""
-    return bool(_CLOCK.fullmatch(text))
+    return _is_read_by(clock_ns, text)
 
 
 def is_number(text: str) -> bool:
     """Whether a text is a number."""
+    return _is_read_by(real, text)
+
+
+def _is_read_by(read: Callable[[str], object], text: str) -> bool:
     try:
-        real(text)
+        read(text)
     except ValueError:
         return False
     return True
@@ -115,8 +119,8 @@ class Clock:
     def __init__(self, head: Heading, texts: Sequence[str], unit: str, name: str) -> None:
         self.head = head
         self._read: Callable[[str, int], int] = nanoseconds
-        numbers, is_clock = first_times(texts)
-        if is_clock:
+        numbers, of_day = first_times(texts)
+        if of_day:
             self._read = clock_ns
             self._unit, self._told, self._period = 0, "a time of day", _DAY_S * NS
             return
@@ -168,5 +172,5 @@ def _unit(head: Heading, numbers: Array, of_program: str) -> tuple[int, str] | N
 
 def share_that_rises(texts: Sequence[str]) -> float:
     """Share of times that rise, in tenths, a little less where they are no numbers."""
-    numbers, is_clock = first_times(texts)
-    return round(float(np.mean(np.diff(numbers) > 0)), 1) - 0.01 * is_clock if len(numbers) > 1 else -1.0
+    numbers, of_day = first_times(texts)
+    return round(float(np.mean(np.diff(numbers) > 0)), 1) - 0.01 * of_day if len(numbers) > 1 else -1.0
