@@ -8,6 +8,10 @@ error to the simulated one.
 A recording is an npz file with ``gyro`` (rad/s), ``specific_force`` (m/s²), ``magnetic_field`` (µT), ``attitude_wxyz``
 (IMU to east-north-up, NaN where unknown), ``movement`` (where errors count) and a rate of 285.7 Hz, as the data set
 BROAD (D. Laidig et al., Data 6(7):72, 2021) is published. Its world is magnetic east-north-up.
+
+Measured on ten of its recordings: τ = 0.84 (0.62 to 0.93) for fourteen filters of vqf, imufusion and ahrs, and 0.78
+(0.64 to 0.92) for all 23, most of which have no memory. Real errors are 1.2 to 2 times as large as the simulated ones.
+Those of Mahony and Fourati, which follow the accelerometer fast, are 5.5 times as large.
 """
 
 from __future__ import annotations
@@ -25,7 +29,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from scipy.stats import kendalltau
 
-from league.contender import Filter, filters
+from league.contender import Filter, Setting, filters
 from league.readings import Readings
 from lie_rigid_body import simulate
 
@@ -40,6 +44,11 @@ SETTLED_S: Final = 20.0
 MINUTES: Final = 20
 REST_PROBABILITIES: Final = (0.0, 0.3, 0.5, 0.8)
 RESAMPLES: Final = 1000
+SETTINGS: Final[dict[str, tuple[Setting, ...]]] = {
+    "vqf VQF": ({}, {"tauAcc": 0.5, "tauMag": 9.0, "biasClip": 2.0}),
+    "imufusion Ahrs": ({}, {"acceleration_rejection": 10.0}),
+}
+"""Settings that filters run with beside their defaults."""
 SENSORS: Final[dict[str, Any]] = {
     "gyro_noise_density": np.radians(0.014),
     "gyro_turn_on_bias": np.radians(0.3),
@@ -114,12 +123,12 @@ def minutes() -> Iterator[Trial]:
         yield Trial(f"minute {seed}", given, Rotation.from_quat(run.truth.attitude_xyzw), run.t_s >= SETTLED_S)
 
 
-def error_deg(each: Filter, trial: Trial) -> float:
+def error_deg(each: Filter, setting: Setting, trial: Trial) -> float:
     """RMS of the total error where it counts, degrees; 180 where the filter gives no attitude in a tenth of it."""
     np.random.seed(1)  # noqa: NPY002 - what filters draw from
     try:
         with redirect_stdout(io.StringIO()), np.errstate(all="ignore"):
-            found = each.estimate(trial.given).as_quat()
+            found = each.estimate(trial.given, **setting).as_quat()
     except (ValueError, np.linalg.LinAlgError):
         return 180.0
     counted = trial.counted & np.isfinite(found).all(axis=1)
@@ -129,11 +138,11 @@ def error_deg(each: Filter, trial: Trial) -> float:
     return float(np.degrees(np.sqrt(np.mean(angles**2))))
 
 
-def errors(playing: Sequence[Filter], trials: Iterator[Trial]) -> Array:
+def errors(playing: Sequence[tuple[Filter, Setting]], trials: Iterator[Trial]) -> Array:
     """Errors of every filter in every trial, degrees."""
     rows = []
     for trial in trials:
-        rows.append([error_deg(each, trial) for each in playing])
+        rows.append([error_deg(each, setting, trial) for each, setting in playing])
         print(f"{trial.name}: {np.median(rows[-1]):.3g}°", flush=True)
     return np.array(rows).T
 
@@ -142,9 +151,10 @@ def main() -> None:
     """Print both tables, τ with its interval, and the ratios."""
     parser = argparse.ArgumentParser(description="Filters of the league over real recordings and simulated minutes.")
     parser.add_argument("--data", type=Path, required=True, help="folder of npz files")
-    parser.add_argument("--without", nargs="*", default=(), help="libraries to leave out")
+    parser.add_argument("--filters", nargs="*", help="names of filters, such as 'vqf VQF'; by default all")
     given = parser.parse_args()
-    playing = [each for each in filters() if each.library not in given.without]
+    named = [each for each in filters() if not given.filters or each.full_name in given.filters]
+    playing = [(each, setting) for each in named for setting in SETTINGS.get(each.full_name, ({},))]
     real = errors(playing, recordings(given.data))
     simulated = errors(playing, minutes())
     medians = [np.median(table, axis=1) for table in (real, simulated)]
@@ -157,7 +167,8 @@ def main() -> None:
     ]
     for k in np.argsort(medians[0]):
         ratio = medians[0][k] / medians[1][k]
-        print(f"{playing[k].full_name:32} {medians[0][k]:8.3g} {medians[1][k]:8.3g}  ratio {ratio:.2f}")
+        name = " ".join([playing[k][0].full_name, *(f"{key}={value:g}" for key, value in playing[k][1].items())])
+        print(f"{name:48} {medians[0][k]:8.3g} {medians[1][k]:8.3g}  ratio {ratio:.2f}")
     tau, p = kendalltau(*medians)
     low, high = np.quantile(resampled, [0.025, 0.975])
     logs = np.corrcoef(*np.log(medians))[0, 1]

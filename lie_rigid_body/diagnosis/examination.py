@@ -305,10 +305,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     if search.is_rest_cut:
         remarks = [*remarks, f"Repairs were tried after less than the {search.settles_s:.0f} s of rest that it needs."]
     if search.is_cut:
-        remarks = [
-            *remarks,
-            f"No more repairs were tried after {counted(search.runs, 'run')}, {search.updates} readings of the gyro.",
-        ]
+        remarks = [*remarks, "Not all pairs of repairs were tried: the budget of runs and readings was spent."]
     if mistakes and search.chosen.error > search.floor:
         remarks = [
             *remarks,
@@ -336,8 +333,8 @@ def _headline(search: Search, found: Sequence[Situation], probes: Sequence[Probe
     if search.growth:
         which = f": the correction by the {search.unstable_by} has the wrong sign" if search.unstable_by else ""
         yield (
-            f"It is unstable: sensors off by {TINY * search.course.turn:.1g} of what they read change the estimate by "
-            f"{with_unit(float(np.degrees(search.growth)))}, and more and more{which}."
+            f"It is unstable: errors of {TINY * search.course.turn:.1g} of the readings change the estimate by "
+            f"{with_unit(float(np.degrees(search.growth)))}, and the change grows{which}."
         )
     if search.deaf and (plain(search.trials).error > search.floor or any(probe.passed is False for probe in probes)):
         yield _deaf(search)

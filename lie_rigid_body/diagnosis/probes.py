@@ -41,7 +41,7 @@ FIELDS_T: Final = (25e-6, 65e-6)
 DIPS: Final = (0.0, 75.0, -75.0)
 """Dips of a field at the equator and near the poles, degrees."""
 LEARNING_S: Final = 60.0
-"""Rest in which a filter may learn the bias of the gyro before it is turned through eight headings, s."""
+"""Least rest in which a filter learns the bias of the gyro before it is turned through eight headings, s."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 _RESTS: Final = (0.0, REST, 3.0 * REST)
@@ -134,7 +134,7 @@ def _limit(search: Search, least: float = 0.0) -> float:
 def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
     """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
     what = "its mistakes repaired" if search.chosen.codes else "perfect sensors"
-    settled = f"; it needs {search.settles_s:.0f} s at rest until its answer stands still" * (search.settles_s > 0.0)
+    settled = f"; it needs {search.settles_s:.0f} s at rest to settle" * (search.settles_s > 0.0)
     passed, said, value = limited(f"with {what} its error is", search.chosen.error, search.floor, settled)
     if passed or search.chosen.codes or search.chosen.error <= NEAR * search.chatter:
         return True, said, value
@@ -238,7 +238,10 @@ def _headings(search: Search) -> list[Course]:
         return []
     level = quaternion.exp(np.radians([3.0, -2.0, 10.0]))
     scenario = _at(search.course, level).scenario
-    return [Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search)[0].off)]
+    course = Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search)[0].off)
+    if search.chosen.error > search.floor or any(repair.change for repair in search.chosen.mistakes):
+        return [course]
+    return [max(course, search.settled(course, course.settle_s), key=lambda each: each.settle_s)]
 
 
 def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:
@@ -263,10 +266,11 @@ def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     ratio = float(last @ bias / (bias @ bias))
     fault = ""
     if norm(last - bias) > 0.5 * norm(bias):
-        unit = "in degrees a second" if 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
-        sign = "with the opposite sign" if ratio < -0.5 else ""
+        is_along = norm(last - ratio * bias) <= 0.5 * norm(last)
+        unit = "in degrees a second" if is_along and 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
+        sign = "with the opposite sign" if is_along and ratio < -0.5 else ""
         stuck = "as it never moves" if np.ptp(told, axis=0).max() < 0.01 * norm(bias) else ""
-        fault = " and ".join(filter(None, (unit, sign, stuck))) or "of another size"
+        fault = " and ".join(filter(None, (unit, sign, stuck))) or f"of another {'size' if is_along else 'direction'}"
     said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much{', ' * bool(fault)}{fault}"
     return not fault, said, ratio
 
@@ -379,7 +383,7 @@ def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     t_s = answers[0].t_s
     last = error_of([answers[0].track[t_s >= 40.0]])
     most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
-    passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
+    passed, said, value = limited("after gaps of a second in a slow motion its error at the end is", last, most)
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
 
 

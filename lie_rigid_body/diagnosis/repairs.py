@@ -208,7 +208,7 @@ def factor(value: float) -> Repair:
         f"gyro × {value:.6g}",
         0 if value in plain else 1,
         partial(_multiplied, ("gyro",), value * np.eye(3)),
-        f"The filter turns by {1.0 / value:.4g} times what the gyro tells: a wrong time step{plain.get(value, '')}",
+        f"The filter rotates {1.0 / value:.4g} times as far as the gyro says: a wrong time step{plain.get(value, '')}",
         f"With the gyro multiplied by {value:.5g} the readings leave",
     )
 
@@ -363,7 +363,7 @@ def exact_repairs() -> tuple[Repair, ...]:
             f"gyro on the axes {text_of(matrix)} of the world",
             0,
             partial(_on_world_axes, matrix),
-            "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
+            "The filter rotates about the world's axes, as where the rotation is multiplied on the wrong side",
             "Given on the world's axes its readings leave",
         )
         for matrix in SIGNED_PERMUTATIONS

@@ -57,10 +57,12 @@ MAX_REST: Final = 300.0
 """Longest rest that it is given, s."""
 SCREENED_REST: Final = 25.0
 """Longest rest before the short motion on which repairs are compared at first, s."""
-MAX_UPDATES: Final = 400_000
-"""Readings of the gyro after which no more pairs are begun; the probes take 150 000 more."""
+MAX_UPDATES: Final = 410_000
+"""Readings of the gyro after which no more pairs are tried; situations and probes take up to 190 000 more."""
+UNPROBED: Final = 50_000
+"""Readings that may be more where the error is above `UNJUDGED`, so that most probes are not judged."""
 MAX_UPDATES_SETTLING: Final = 1_600_000
-"""Readings after which no more are begun of a filter that needs more than `CALM` seconds to settle."""
+"""Readings after which no more are tried of a filter that needs more than `CALM` seconds to settle."""
 UNJUDGED: Final = float(np.radians(20.0))
 """Error of the filter, rad, above which a factor of the gyro near 1 explains nothing, and probes say nothing."""
 SCALES: Final = (1e-6, 1e-4, 1e-2, 1.0)
@@ -89,6 +91,8 @@ GRADE_OF_NOISE: Final = {name: GRADES["tactical"][name] for name in NOISE}
 """Densities of the noise of tactical sensors."""
 BESIDE: Final = tuple(cause for cause in CAUSES if cause.code != "euler_order")
 """Causes that are undone beside repairs of the input: with signs and orders of angles two of these would be one."""
+ONE_ROTATION: Final = {"body_axes", "body_mounting"}
+"""Codes of two rotations of the body, of the readings and of the estimate: together they are one, or none."""
 QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
@@ -170,6 +174,8 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> lis
         """Whether each repair of a trial halves the error at least, unless both leave less than the floor."""
         if len(trial.mistakes) < 2:
             return True
+        if ONE_ROTATION.issubset(trial.codes):
+            return False
         first = min(alone(trials, repair) for repair in trial.mistakes)
         return (first <= HALVED * before or trial.error <= floor) and is_enough(trial.error, first)
 
@@ -271,7 +277,7 @@ class Search:
         self._short_error = np.pi
         self.needs_noise = self.needs_rest = False
         self.known: dict[tuple[Course, Repairs, int], Answer | FilterError] = {}
-        self._rests: dict[object, float] = {}
+        self._rests: dict[tuple[object, ...], float] = {}
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
@@ -332,7 +338,7 @@ class Search:
     @property
     def longest_rest_s(self) -> float:
         """Longest rest that the filter needs in any attitude and field that was tried, s."""
-        return max(self._rests.values(), default=0.0)
+        return max((rest for (*_, off), rest in self._rests.items() if not off), default=0.0)
 
     def run(self) -> None:
         """Look for repairs if the filter is wrong, also after it has settled at rest."""
@@ -376,13 +382,13 @@ class Search:
             courses = tuple(course.of_scenario(initial_attitude_xyzw=start) for course, start in each)
         return [self.settled(course) for course in courses]
 
-    def settled(self, course: Course) -> Course:
+    def settled(self, course: Course, least_s: float = FIRST_REST) -> Course:
         """The course with a rest, doubled until the filter has settled in half of it, to `MAX_REST` at most."""
         if not course.ramp_s:
             return course
-        key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field)
+        key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field), course.off
         if key not in self._rests:
-            rest = max(FIRST_REST, self.settles_s)
+            rest = max(least_s, self.settles_s)
             while (
                 (settled := self._settled_s(course, rest)) > 0.5 * rest
                 and rest < MAX_REST
@@ -432,8 +438,8 @@ class Search:
             before = nearly_long.error(0.9) if nearly_long else np.pi
             signs = {sensor: self._negated(best, sensor) for sensor in ("accelerometer", "magnetometer")}
             self.unstable_by = next((s for s, error in signs.items() if error <= max(self.floor, MENDED * before)), "")
-        elif level > max(self.floor, NEAR * self.scatter):
-            self.chatter = max(self.chatter, float(change.max()))
+        elif UNJUDGED >= np.median(change[-len(change) // 3 :]) > max(self.floor, NEAR * self.scatter):
+            self.chatter = max(self.chatter, float(change.max()))  # rare jumps and unrelated attitudes are no chatter
 
     def _negated(self, unrepaired: Trial, sensor: str) -> float:
         """Error at the end of a long run with the readings of a sensor negated, rad."""
@@ -487,11 +493,17 @@ class Search:
     @property
     def most_updates(self) -> int:
         """Readings of the gyro after which no more pairs are begun."""
-        return MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
+        most = MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
+        return most + UNPROBED * (bool(self.trials) and plain(self.trials).error > UNJUDGED)
+
+    @property
+    def affordable(self) -> int:
+        """Number of runs of the short course for which readings are left."""
+        return max(0, self.most_updates - self.updates) // self.short[0].updates
 
     def _may_go_on(self) -> bool:
         """Whether the budget allows more runs; `is_cut` keeps a refusal."""
-        self.is_cut = self.runs >= self.most_runs or self.updates >= self.most_updates
+        self.is_cut = self.runs >= self.most_runs or not self.affordable
         return not self.is_cut
 
     def _is_mended(self, count: int) -> bool:
@@ -515,6 +527,7 @@ class Search:
 
     def _screened(self, chosen: Sequence[Repairs], causes: Sequence[Cause] = ()) -> list[Trial]:
         """Try repairs on the short course, and each with some causes in the output; then the best on all courses."""
+        chosen = chosen[: self.affordable]
         if not chosen:
             return []
         causes = self._outputs(causes)
@@ -546,14 +559,16 @@ class Search:
         drowns a constant that the filter adds to it. But if the filter normalises it, no unit is wrong, and
         half of the factor does as well. Both changes of the error have to be more than the floor, as smaller
         errors change by chance. The second has to be more than twice what the repair leaves, too: half of the
-        factor leaves twice of such a constant.
+        factor leaves twice of such a constant. Of a time step the first is asked alone.
         """
-        costs = (
-            self.drift_costs(repair.code.removesuffix("_units"), trial.repairs)
-            for repair in trial.mistakes
-            if repair.code.endswith("_units")
-        )
-        return all(silence > self.floor and abs(half) > max(self.floor, NEAR * trial.error) for silence, half in costs)
+        for repair in trial.mistakes:
+            sensor, _, kind = repair.code.rpartition("_")
+            if kind in ("units", "step"):
+                silence, half = self.drift_costs("gyro" if kind == "step" else sensor, trial.repairs)
+                is_sized = kind == "step" or abs(half) > max(self.floor, NEAR * trial.error)
+                if silence <= self.floor or not is_sized:
+                    return False
+        return True
 
     def drift_costs(self, sensor: str, repairs: Repairs) -> tuple[float, float]:
         """Increases of the error, rad, by a silent sensor and by half of its readings, in a drift it alone tells."""

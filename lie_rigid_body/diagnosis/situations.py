@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from itertools import combinations
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.diagnosis.course import Course, Readings
 from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Repair
-from lie_rigid_body.diagnosis.search import Search
+from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 
@@ -82,8 +83,10 @@ TUMBLES: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def situations(search: Search) -> Iterator[Situation]:
-    """Run the filter, as it is, in each situation."""
-    course = search.course
+    """Run the filter, as it is, in each situation; the tumble is that of the course with the larger error."""
+    unrepaired = plain(search.trials)
+    worst = int(np.argmax([answer.error() for answer in unrepaired.unrepaired]))
+    course = search.courses[worst].of_scenario(gyro_rate=unrepaired.kind)
     every: list[tuple[str, Course, tuple[str, ...]]] = [
         *((name, _at(course, angles), ()) for name, angles in REST.items()),
         *((name, _at(course, LEVEL, *rate), ()) for name, rate in TURNS.items()),
@@ -106,6 +109,18 @@ RULES: Final = (
     ("tilted at rest", "tilted and headed at rest", "where the body looks along x", "at another heading"),
 )
 """Situations of which the first is right and the second wrong, and how these are told; the first such pair is told."""
+GROUPS: Final = (
+    ({*REST}, "at rest"),
+    ({*TURNS, "tumbling"}, "in motion"),
+    ({*TURNS}, "about each axis"),
+    *(
+        ({f"rotating about {axis}" for axis in axes}, f"about {' and '.join(axes)}")
+        for count in (2, 1)
+        for axes in combinations("xyz", count)
+    ),
+    ({"tumbling"}, "in a tumble"),
+)
+"""Situations that have a name in common, the largest groups first."""
 
 
 def common(found: list[Situation], floor_deg: float) -> str:
@@ -121,4 +136,15 @@ def common(found: list[Situation], floor_deg: float) -> str:
             return f"It is right {good_words}, and wrong {bad_words}{alone}{hint}."
     if not right:
         return f"It is wrong in every situation{alone}."
-    return f"It is right {', '.join(right)}, and wrong {', '.join(wrong)}{alone}." if wrong else ""
+    return f"It is right {_together(right)}, and wrong {_together(wrong)}{alone}." if wrong else ""
+
+
+def _together(names: Sequence[str]) -> str:
+    """Names of situations in a few words: `about x and y`."""
+    said = list[str]()
+    names = [name for name in names if "without" not in name] or names
+    for group, words in GROUPS:
+        if group.issubset(names):
+            said.append(words)
+            names = [name for name in names if name not in group]
+    return " and ".join((*said, *names))

@@ -490,7 +490,7 @@ class Evidence:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
         is_level = any(
-            cause.code == "world_turned" and not MIN_TILT < angles(quaternion.exp(c)).inclination < np.pi - MIN_TILT
+            cause.code == "world_turned" and self._is_level(explanation, quaternion.exp(c))
             for cause, c in explanation.parts
         )
         many = "world_turned" in explanation.turned and len(explanation.causes) - len(explanation.form) > 1
@@ -504,6 +504,13 @@ class Evidence:
         return all(
             np.all(left <= share**2 * floored(self.without(explanation, cause).left)) for cause, share in shares.items()
         )
+
+    def _is_level(self, explanation: Explanation, turn: Array) -> bool:
+        """Whether a turn of the world is nearly a heading, which explains as well, or one of a world upside down."""
+        tilt = angles(turn).inclination
+        turned = tuple("heading_offset" if code == "world_turned" else code for code in explanation.turned)
+        level = self.get(explanation.form, turned, late=explanation.lag_s is not None)
+        return bool(tilt >= np.pi - MIN_TILT or (tilt <= MIN_TILT and level.explains))
 
     def is_small(self, explanation: Explanation) -> bool:
         """Whether a turn, or the turn in a lag that leaves some error, is no larger than what sensor errors leave."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
@@ -119,13 +118,15 @@ class PosePath:
     """
 
     def __init__(self, knots: Knots) -> None:
+        from scipy.interpolate import CubicSpline  # slow to import: not before there is a path
+        from scipy.spatial.transform import Rotation, RotationSpline
+
         require_path(knots)
         self.knots = knots
         self.last_ns = int(knots.t_ns[-1])
         self._seconds = knots.t_ns / NS
-        rotations = scipy.spatial.transform.Rotation.from_quat(knots.attitude_xyzw)
-        self._rotation = scipy.spatial.transform.RotationSpline(self._seconds, rotations)
-        self._position = scipy.interpolate.CubicSpline(self._seconds, knots.position)
+        self._rotation = RotationSpline(self._seconds, Rotation.from_quat(knots.attitude_xyzw))
+        self._position = CubicSpline(self._seconds, knots.position)
         # |ω| ≤ |φ̇|, as J_r lengthens no vector; φ̇ is quadratic, and in the hull of its Bézier points
         cubic, square, linear, _ = self._rotation.interpolator.c
         steps = np.diff(self._seconds)[:, np.newaxis]

@@ -16,10 +16,6 @@ from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.motion.path import RISING, Knots, refuse_first, require_path
-from lie_rigid_body.recording.bag_files import SUFFIXES
-from lie_rigid_body.recording.logs.times import nanoseconds
-from lie_rigid_body.recording.sqlite_reader import bag_contents
-from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, POSE_TYPES, read_attitudes
 from lie_rigid_body.scenario.parameter_table import read_parameters
 from lie_rigid_body.system.bounded_input import read_text, real
 
@@ -93,6 +89,8 @@ def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int]
     BagError
         If it is a bag that cannot be read.
     """
+    from lie_rigid_body.recording.bag_files import SUFFIXES  # a node without a path needs nothing that reads bags
+
     is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
     times, poses = _of_bag(Path(path), topic) if is_bag else _of_text(path)
     lengths = quaternion.norm(poses[:, 3:])
@@ -104,6 +102,9 @@ def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int]
 
 def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:
     """Stamps, ns, and poses of a topic, or of the one of poses."""
+    from lie_rigid_body.recording.sqlite_reader import bag_contents
+    from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, POSE_TYPES, read_attitudes
+
     contents = bag_contents(path, lambda _, kind: kind in ATTITUDE_TYPES)
     if topic is None:
         found = sorted(
@@ -122,6 +123,8 @@ def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:
 
 def _of_text(path: str | Path) -> tuple[list[int], Array]:
     """Times, ns, and poses, shape (N, 7), of a text file. Its comments and its heading are left out."""
+    from lie_rigid_body.recording.logs.times import nanoseconds
+
     times = list[int]()
     poses = list[list[float]]()
     for number, line in enumerate(read_text(path, MAX_TRAJECTORY_BYTES, kind="a file of poses").splitlines(), 1):

@@ -76,6 +76,12 @@ def test_fewest_then_cheapest_then_first_is_named(
         assert instead_of(chosen[0], chosen[1:], chosen[0].codes[0]) == or_else
 
 
+def test_two_rotations_of_the_body_are_not_named_together() -> None:
+    both = trial("body_axes", error=0.0, outputs=("body_mounting",))
+    assert not choose([trial(error=1.0), both], FLOOR)
+    assert choose([trial(error=1.0), trial("gyro_axes", error=0.0, outputs=("body_mounting",))], FLOOR)
+
+
 def test_nothing_is_named_below_the_floor() -> None:
     assert choose([trial(error=0.9 * FLOOR), trial("gyro_axes", error=0.0)], FLOOR) == []
 

@@ -21,9 +21,10 @@ from lie_rigid_body.cli.diagnose import main
 from lie_rigid_body.cli.league import main as league
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
-from lie_rigid_body.diagnosis.probes import NOTES, told
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, told
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
+from lie_rigid_body.diagnosis.situations import REST, TUMBLES, TURNS, Situation, common
 from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.lie import quaternion
 from said import numbers
@@ -314,6 +315,21 @@ def test_filter_without_a_mistake_that_fails_a_probe_is_told_why(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("share", [0.1, 1.0])
+def test_jumps_and_answers_by_chance_are_no_chatter_that_explains_an_error(share: float) -> None:
+    """Any rotation at a share of the samples, by digits of the gyro that errors of the sensors change."""
+
+    def jumping(run: Any) -> Any:
+        angle = np.pi * (np.modf(1e6 * np.abs(run.imu.gyro[:, :1]))[0] < share) * np.modf(1e7 * run.imu.gyro)[0]
+        return quaternion.multiply(textbook.triad(run), quaternion.exp(2.0 * angle))
+
+    found = diagnose(jumping, max_runs=1)
+    assert found.rms_deg > 20.0
+    assert found.probes[0].passed is False
+    assert "chatters" not in {note.code for note in found.notes}
+
+
+@pytest.mark.slow
 def test_filter_that_begins_with_one_attitude_is_judged_when_it_has_settled() -> None:
     found = diagnose(textbook.from_afar, workers=2)
     [off] = [note.value for note in found.notes if note.code == "first_attitude"]
@@ -339,6 +355,16 @@ def test_unstable_filter_is_told_the_sensor_whose_correction_has_the_wrong_sign(
     assert search.growth > search.floor
     assert search.unstable_by == sensor
     assert search.chatter == 0.0
+
+
+@pytest.mark.slow
+def test_bias_that_is_learnt_in_minutes_is_learnt_before_the_headings() -> None:
+    """Gains of slow filters of flight controllers: the bias decays with a time constant of 33 s."""
+    search = Search(partial(each_alone, partial(textbook.mahony, kp=0.2, ki=0.005)), courses_of({}), 1)
+    search.run()
+    [headings] = told(search, [row for row in PROBES if row.code == "headings"])
+    assert headings.passed
+    assert search.longest_rest_s == 0.0  # without a bias it begins settled
 
 
 NED = quaternion.multiply([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], [0.0, 0.0, np.sin(0.4), np.cos(0.4)])
@@ -412,9 +438,52 @@ def test_where_nothing_explains_the_error_situations_do() -> None:
 
 
 @pytest.mark.slow
+def test_the_tumble_among_the_situations_is_the_one_in_which_it_is_wrong() -> None:
+    def wrong_of_one_body(run: Any) -> Any:
+        w = run.imu.gyro * (run.scenario.parameters()["inertia"][1] == courses_of({})[1].parameter("inertia")[1])
+        return quaternion.multiply(textbook.triad(run), quaternion.exp(w * w[:, [1, 2, 0]]))
+
+    found = diagnose(wrong_of_one_body, max_runs=1)
+    assert found.mistakes == ()
+    assert {each.name: each.rms_deg or 0.0 for each in found.situations}["tumbling"] > found.rms_deg
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [0.02, 1.0])
+def test_a_diagnosis_that_finds_nothing_ends(size: float) -> None:
+    """An error that grows with the square of the rate has no name, whether probes are judged beside it or not."""
+
+    def wrong_in_motion(run: Any) -> Any:
+        w = run.imu.gyro
+        return quaternion.multiply(textbook.triad(run), quaternion.exp(size * w * w[:, [1, 2, 0]]))
+
+    found = diagnose(wrong_in_motion, workers=1)
+    assert found.mistakes == ()
+    assert found.updates <= 600_000
+
+
+def test_situations_are_told_together() -> None:
+    names = [*REST, *TURNS, *TUMBLES]
+
+    def said(*right: str) -> str:
+        return common([Situation(name, 90.0 * (name not in right), is_level=False) for name in names[:7]], 0.1)
+
+    assert said(*REST) == "It is right at rest, and wrong in motion."
+    assert said(*REST, names[5]) == "It is right at rest and about z, and wrong about x and y and in a tumble."
+    assert said(*REST, *TURNS) == "It is right at rest and about each axis, and wrong in a tumble."
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "word"),
-    [(lambda b: b, ""), (lambda b: -b, "opposite"), (np.degrees, "degrees"), (lambda b: 0.0 * b, "never")],
+    [
+        (lambda b: b, ""),
+        (lambda b: -b, "opposite"),
+        (np.degrees, "degrees"),
+        (lambda b: 0.0 * b, "never"),
+        (lambda b: b * np.arange(len(b))[:, np.newaxis], "another size"),
+        (lambda b: -5.0 * b * [np.arange(3) < 1] * np.linspace(0.9, 1.0, len(b))[:, np.newaxis], "another direction"),
+    ],
 )
 def test_estimated_bias_is_compared_with_the_one_put_in(change: Callable[[Any], Any], word: str) -> None:
     bias = np.radians(1.0) / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])

@@ -18,6 +18,7 @@ RATE = 50.0
 T_NS = np.arange(2000) * 20_000_000
 WORLD = np.array([0.9, -0.4, 0.5])
 MARKERS = np.array([0.4, 1.1, -0.2])
+TILTED = np.array([0.05, 0.1, 2.1])  # by 6°: more than a heading explains
 
 
 @cache
@@ -52,6 +53,9 @@ CASES = [
     (WORLD, NO, 0.08, {"world_turned", "leading"}),
     (WORLD, MARKERS, 0.0, {"world_turned", "body_mounting"}),
     (WORLD, MARKERS, 2.4, {"world_turned", "body_mounting", "leading"}),
+    (TILTED, MARKERS, 0.0, {"world_turned", "body_mounting"}),
+    (TILTED, MARKERS, -0.35, {"world_turned", "body_mounting", "lagging"}),
+    (TILTED, MARKERS, 8.2, {"world_turned", "body_mounting", "leading"}),
 ]
 
 
