@@ -167,7 +167,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     @cached_property
     def kicks(self) -> Kicks:
         """The kicks up to the last sample of the truth, by their stamps, ns."""
-        self._require_scenario("kicks")
+        self._require_simulated("no kicks that are known")
         parts = []
         for segment, rows in self._parts():
             last_ns = int(self.t_ns[rows][-1]) if rows.stop > rows.start else segment.start_ns
@@ -178,13 +178,11 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     @property
     def sway(self) -> Harmonics | None:
         """The harmonics of the acceleration of the mass centre; of a run with resets those of its first scenario."""
-        self._require_scenario("sway")
         return self.scenario.sway()
 
     @property
     def vibration(self) -> Harmonics | None:
         """The harmonics of the oscillation of the accelerometer's mount; None without."""
-        self._require_scenario("vibration")
         imu = self.scenario.sensors.imu
         return None if imu is None else imu.vibration
 
@@ -379,7 +377,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
             not.
         """
-        self._require_scenario("bag")
+        self._require_simulated("no scenario, which a bag holds: keep the log itself")
         given = {} if estimates is None else estimates
         scored = {} if scores is None else scores
         beside = messages_beside(given, scored, self.scenario, self.stamped)
@@ -545,9 +543,9 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         stamps = {name: arrays.t_ns for name, arrays in self.sensors.items()}
         return bound_of_readings(self._declared, self.attitude(), stamps, most)
 
-    def _require_scenario(self, what: str) -> None:
+    def _require_simulated(self, lacking: str) -> None:
         if self.log is not None:
-            raise _lacks(f"no {what}, which a simulated run has: it has readings, and a truth where one is given")
+            raise _lacks(lacking)
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
         """The true bias of the gyro at stamps, shape (K, 3), rad/s.
@@ -559,6 +557,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         InputError
             If the run does not tell it, there is no such reading, or a stamp is no integer.
         """
+        self._require_simulated("no true bias of its gyro")
         imu = self.sensors.get(IMU)
         bias = np.empty((0, 3)) if imu is None or imu.gyro_bias is None else imu.gyro_bias
         told = np.flatnonzero(np.isfinite(bias).all(axis=1))

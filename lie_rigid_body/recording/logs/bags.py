@@ -81,7 +81,7 @@ def read_bag(path: Path, imu: str | None, magnetometer: str | None) -> tuple[dic
         if track is not None:
             read = dict(_read(path, contents, track))
             found |= read
-            taken.append(f"The {listed([*read])} is the topic {track.topic}, of {kind}.")
+            taken.append(f"The topic {track.topic}, of {kind}, has the {' and the '.join(read)}.")
     if GYRO not in found:
         raise InputError(f"{path}: its Imu declares no angular velocity, by a covariance of -1: give another topic")
     return found, taken

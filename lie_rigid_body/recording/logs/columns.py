@@ -208,8 +208,8 @@ def _read(table: TextTable, triples: Sequence[Triple], taken: list[str]) -> dict
         there = ~np.isnan(own).all(axis=1)
         faulty = there & (np.isnan(own).any(axis=1) | (t_ns == clock.MISSING))
         if faulty.any() or not there.any():
-            where = f", line {numbers_of_lines[faulty][0]}: a cell is empty" if faulty.any() else " has no row"
-            raise InputError(f"{table.source.name}{where} of the {triple.sensor} or its time: correct the file")
+            told = f", line {numbers_of_lines[faulty][0]}: an empty cell" if faulty.any() else " has no row"
+            raise InputError(f"{table.source.name}{told} of the {triple.sensor} or of its time: complete it")
         factors, told = triple.factors()
         t_ns, of_time = clock.unwrapped(t_ns[there])
         found[triple.sensor] = Vectors(t_ns, own[there] * factors, triple.name)
