@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lie_rigid_body import Estimate, Run, SampledTruth, evaluate, simulate
+from lie_rigid_body.estimates.programs import CommandEstimator
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.ensemble import BlindRun
 
 TRUE = simulate("hand", duration=4.0, imu_rate=100.0, magnetometer_rate=25.0, sensor_grade="mems", rate=200.0)
 ARRAYS = (TRUE.imu.t_ns, TRUE.imu.gyro, TRUE.imu.specific_force)
@@ -98,6 +101,27 @@ def test_an_accelerometer_with_a_clock_of_its_own_is_linear_between_its_readings
         np.savetxt(tmp_path / f"{name}.csv", rows, fmt="%.17g", delimiter=",", header='"Time (s)",x,y,z', comments="")
     run = Run.from_log(tmp_path)
     assert run.imu.specific_force[3:] == pytest.approx(TRUE.imu.specific_force[3:], rel=1e-12)
+
+
+def test_a_program_is_given_the_readings_of_such_a_run(tmp_path: Path) -> None:
+    filter_ = tmp_path / "filter.py"
+    filter_.write_text(
+        "for line in [*open(0)][1:]:\n    if line.split(',')[1]:\n        print(line.split(',')[0] + ',0,0,0,1')"
+    )
+    command = CommandEstimator(f"{sys.executable} {filter_}")
+    t_ns, _ = command(Run.from_arrays(*ARRAYS, FIELD))
+    assert t_ns.tolist() == TRUE.imu.t_ns.tolist()
+    rows = np.column_stack([TRUE.imu.t_s, TRUE.imu.gyro])
+    np.savetxt(tmp_path / "gyro.csv", rows, delimiter=",", header="Time (s),gx,gy,gz", comments="")
+    run = Run.from_log(tmp_path / "gyro.csv")
+    assert run.imu.specific_force is None
+    with pytest.raises(InputError, match="no accelerometer"):
+        command(run)
+
+
+def test_a_run_of_a_log_cannot_be_blind() -> None:
+    with pytest.raises(InputError, match="no scenario"):
+        BlindRun.without_truth(Run.from_arrays(*ARRAYS, FIELD))
 
 
 def test_declared_sensors_give_a_bound() -> None:
