@@ -35,7 +35,8 @@ PYTHON = {page: blocks(page.read_text(encoding="utf-8"), "python") for page in P
     [page for page, code in PYTHON.items() if code and not any(map(is_run, SHELL[page])) and page.name not in OWN],
     ids=lambda page: page.relative_to(DOCS).as_posix(),
 )
-def test_the_python_of_a_page_runs_as_one_program(page):
+def test_the_python_of_a_page_runs_as_one_program(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     with redirect_stdout(StringIO()) as printed:
         exec(compile("\n".join(PYTHON[page]), page.name, "exec"), {})
     assert all(shown in printed.getvalue() for shown in blocks(page.read_text(encoding="utf-8"), "json", "text"))

@@ -215,6 +215,8 @@ def _lines(run: Run) -> Iterator[str]:
     """Readings of a run in the order of their stamps; those of one stamp share a line."""
     imu = run.sensors.get("imu")
     magnetometer = run.magnetometer
+    if imu is not None and imu.arrays["specific_force"] is None:
+        raise InputError("the run has no accelerometer, whose readings a program is given: give a log that has one")
     of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
     of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
     for stamp in sorted({*of_imu, *of_field}):

@@ -356,6 +356,11 @@ class SampledTruth(Truth):
     longest_gap_ns : int, optional
         Neighbours farther apart are not joined. By default 2.5 times the median period.
 
+    Attributes
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+        The samples' own.
+
     Raises
     ------
     InputError
@@ -369,6 +374,7 @@ class SampledTruth(Truth):
         self._longest_gap = GAP_PERIODS * period_ns(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
         self.first_ns = int(stamps[0])
         self.last_ns = int(stamps[-1])
+        self.stamps_ns = stamps
         if len(stamps) == 1:  # an interval, within whose ends the truth is not asked for
             stamps = stamps + np.arange(2)
             attitude = np.repeat(attitude, 2, axis=0)

@@ -67,44 +67,68 @@ def read_poses(path: str | Path) -> Knots:
     BagError
         If it is a bag that cannot be read.
     """
+    times, poses = stamped_poses(path)
+    since = np.array([time - times[0] for time in times], dtype=np.int64)
+    refuse_first(f"{path}", "pose", since / NS, {RISING: np.diff(since, prepend=-1) <= 0})
+    return Knots(since, poses[:, :3], poses[:, 3:])
+
+
+def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int], Array]:
+    """Stamps, ns, and poses, shape (N, 7), of a text file or of a bag; without a position it is 0.
+
+    Parameters
+    ----------
+    path : str or Path
+    topic : str, optional
+        Topic of the bag, of any type with an attitude. By default the one of poses, or of several that is called so.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or a quaternion is not near unit norm.
+    BagError
+        If it is a bag that cannot be read.
+    """
     from lie_rigid_body.recording.bag_files import SUFFIXES  # a node without a path needs nothing that reads bags
 
     is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
-    times, poses = _of_bag(Path(path)) if is_bag else _of_text(path)
-    since = np.array([time - times[0] for time in times], dtype=np.int64)
+    times, poses = _of_bag(Path(path), topic) if is_bag else _of_text(path)
     lengths = quaternion.norm(poses[:, 3:])
     faults = {
         "has a number that is not finite: give finite ones": ~np.isfinite(poses).all(axis=1),
-        RISING: np.diff(since, prepend=-1) <= 0,
         f"has a quaternion whose norm is not 1 to {MAX_NORM_ERROR:g}: give unit quaternions": (
             ~(np.abs(lengths - 1.0) <= MAX_NORM_ERROR)
         ),
     }
-    refuse_first(f"{path}", "pose", since / NS, faults)
-    return Knots(since, poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis])
+    refuse_first(f"{path}", "pose", np.array([(time - times[0]) / NS for time in times]), faults)
+    return times, np.column_stack([poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis]])
 
 
-def _of_bag(path: Path) -> tuple[list[int], Array]:
-    """Stamps, ns, and poses, shape (N, 7), of the one topic of poses in a bag, or of the one that is called so."""
-    from lie_rigid_body.recording.bag_files import BagFiles
-    from lie_rigid_body.recording.topic_messages import POSE_TYPES, read_attitudes
+def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:
+    """Stamps, ns, and poses of a topic, or of the one of poses."""
+    from lie_rigid_body.recording.sqlite_reader import bag_contents
+    from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, POSE_TYPES, read_attitudes
 
-    contents = BagFiles(path).contents(lambda topic, kind: kind in POSE_TYPES)
-    found = sorted(
-        track.topic for track in contents.tracks.values() if track.count and track.message_type in POSE_TYPES
-    )
-    named = [topic for topic in found if f"/{topic}".endswith(f"/{POSE}")] if len(found) > 1 else found
-    if len(named) != 1:
-        raise InputError(
-            f"{path} has poses on {listed(found) or 'no topic'}: give a bag with one such topic, or one .../{POSE}"
+    contents = bag_contents(path, lambda _, kind: kind in ATTITUDE_TYPES)
+    if topic is None:
+        found = sorted(
+            each.topic for each in contents.tracks.values() if each.count and each.message_type in POSE_TYPES
         )
-    track = read_attitudes(path, contents, named[0])
-    assert track.position is not None
-    return track.stamps_ns.tolist(), np.column_stack([track.position, track.attitude_xyzw])
+        named = [each for each in found if f"/{each}".endswith(f"/{POSE}")] if len(found) > 1 else found
+        if len(named) != 1:
+            raise InputError(
+                f"{path} has poses on {listed(found) or 'no topic'}: give a bag with one such topic, or one .../{POSE}"
+            )
+        topic = named[0]
+    track = read_attitudes(path, contents, topic)
+    position = np.zeros((len(track), 3)) if track.position is None else track.position
+    return track.stamps_ns.tolist(), np.column_stack([position, track.attitude_xyzw])
 
 
 def _of_text(path: str | Path) -> tuple[list[int], Array]:
     """Times, ns, and poses, shape (N, 7), of a text file. Its comments and its heading are left out."""
+    from lie_rigid_body.recording.logs.times import nanoseconds
+
     times = list[int]()
     poses = list[list[float]]()
     for number, line in enumerate(read_text(path, MAX_TRAJECTORY_BYTES, kind="a file of poses").splitlines(), 1):
@@ -114,20 +138,10 @@ def _of_text(path: str | Path) -> tuple[list[int], Array]:
         try:
             unit, columns = _LAYOUTS["," in line, len(cells)]
             numbers = [*map(real, cells), 0.0]
-            times.append(_nanoseconds(cells[0], unit))
+            times.append(nanoseconds(cells[0], unit))
         except (KeyError, ValueError):
             raise InputError(f"{path}, line {number}: {shown(line)} is no pose: give {_KINDS}") from None
         poses.append([numbers[column] for column in columns])
     if not times:
         raise InputError(f"{path} has no pose: give {_KINDS}")
     return times, np.array(poses)
-
-
-def _nanoseconds(text: str, unit: int) -> int:
-    """A time in units of so many ns, as its decimal tells it, in ns; of a time in ns a whole one."""
-    if not abs(float(text)) * unit < 2**62:
-        raise ValueError(f"no time: {text!r}")
-    time = Decimal(text) * unit
-    if unit == 1 and time % 1:
-        raise ValueError(f"no whole ns: {text!r}")
-    return round(time)

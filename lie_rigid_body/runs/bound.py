@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 from typing import Any, Final
@@ -192,17 +192,47 @@ def _left_by_errors(scenario: Scenario) -> float:
     return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
 
+def bound_of_readings(
+    scenario: Scenario, truth: Truth, stamps: Mapping[str, Integers], most: int = MAX_BOUNDED
+) -> CramerRaoBound | None:
+    """The bound for estimators of readings whose scenario declares the sensors alone, at those within the truth.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    truth : Truth
+    stamps : mapping of str to ndarray of int64
+        Those of each sensor, ns, by its name.
+    most : int, optional
+        As of `cramer_rao_bound_of`.
+
+    Returns
+    -------
+    CramerRaoBound or None
+        None where a sensor is without noise.
+
+    Raises
+    ------
+    InputError
+        If no reading of the IMU is within the truth.
+    """
+    known = {name: np.unique(each[truth.covers(each)]) for name, each in stamps.items()}
+    every = known["imu"]
+    if not len(every):
+        raise InputError("no reading of the IMU is within the truth: give a truth of the same clock")
+    if not _has_noise(scenario):
+        return None
+    own = {id(model): known.get(name, every[:0]) for name, model in scenario.sensors.on.items()}
+    aids = [*_aids(scenario, lambda model: own[id(model)])]
+    indices = _kept(every, [aid.stamps_ns for aid in aids], most)
+    steps = np.diff(indices, prepend=-1).astype(np.float64)
+    return cramer_rao_bound(every[indices], truth.at(every[indices]), gyro_readings=steps, **_noise(scenario, aids))
+
+
 def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> CramerRaoBound:
     scenario = segment.scenario
-    imu = scenario.sensors.imu
-    aids = [*_aids(segment, last_ns)]
-
-    sensors: dict[str, Any] = {
-        "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
-        "gyro_bias": BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
-        "vectors": [aid for aid in aids if isinstance(aid, VectorReadings)],
-        "attitudes": [aid for aid in aids if isinstance(aid, AttitudeReadings)],
-    }
+    aids = [*_aids(scenario, lambda model: _stamps(segment, model.rate, last_ns))]
+    sensors = _noise(scenario, aids)
     others = [aid.stamps_ns for aid in aids]
     indices, few = (_kept(every, others, count) for count in (most, min(most, DYNAMIC)))
     whole_steps, steps = (np.diff(each, prepend=-1).astype(np.float64) for each in (indices, few))
@@ -214,13 +244,25 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
         return states.attitude_xyzw, states.body_rate
 
     truth = scenario.exact_motion().at(t_ns[indices]).attitude_xyzw
-    unknown = imu.gyro.linear_errors
-    bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, gyro_linear_errors=unknown, **sensors)
+    bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, **sensors)
     bound = replace(bound, carried=scenario.sway() is not None or scenario.path() is not None)
     if scenario.kicks or scenario.path():  # nobody knows them, and between kicks the dynamics tell little
         return bound
+    del sensors["gyro_linear_errors"]
     dynamic = dynamic_bound(every[few], motion, start.attitude_xyzw, start.body_rate, gyro_readings=steps, **sensors)
     return replace(bound, dynamic=dynamic)
+
+
+def _noise(scenario: Scenario, aids: Sequence[VectorReadings | AttitudeReadings]) -> dict[str, Any]:
+    """What the bound has to know of the sensors."""
+    imu = scenario.sensors.imu
+    return {
+        "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
+        "gyro_bias": BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
+        "vectors": [aid for aid in aids if isinstance(aid, VectorReadings)],
+        "attitudes": [aid for aid in aids if isinstance(aid, AttitudeReadings)],
+        "gyro_linear_errors": imu.gyro.linear_errors,
+    }
 
 
 def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
@@ -240,10 +282,12 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
     return indices[indices >= 0]
 
 
-def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeReadings]:
-    """Readings of vectors and of attitudes by which the sensors of a segment tell the attitude."""
-    for model, aid in _measurement_models(segment.scenario):
-        stamps = _stamps(segment, model.rate, last_ns)
+def _aids(
+    scenario: Scenario, stamps_of: Callable[[SensorModel], Integers]
+) -> Iterator[VectorReadings | AttitudeReadings]:
+    """Readings of vectors and of attitudes by which the sensors of a scenario tell the attitude."""
+    for model, aid in _measurement_models(scenario):
+        stamps = stamps_of(model)
         if not len(stamps):
             continue
         if isinstance(aid, VectorMeasurement):

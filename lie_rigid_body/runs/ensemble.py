@@ -5,22 +5,22 @@ from __future__ import annotations
 import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final, NoReturn, overload
+from typing import Any, Final, overload
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers, plain
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import Value, exact_duration
+from lie_rigid_body.foundation.parameters import exact_duration
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.recording.poses import with_path
+from lie_rigid_body.runs.blind_scenario import BlindScenario, refuse
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
@@ -39,15 +39,6 @@ _KEPT_BYTES: Final = 160
 """Memory for each reading that a run keeps, bytes."""
 _RUN_BYTES: Final = 2**16
 """Memory that a run takes beside its arrays, bytes."""
-WITHHELD: Final = (
-    "initial_attitude_xyzw",
-    "initial_body_rate",
-    *("kicks", "kick_period", "translation", "initial_position", "initial_velocity"),
-    *("sway_acceleration", "sway_band", "sway_seed"),
-    *("motion", "path_file", "path_interval", "path_knots"),
-    "sensor_seed",
-)
-"""Parameters that would tell the truth, or the noise."""
 _TELLING: Final = ("attitude", "score", "to_bag", "certificate", "cramer_rao_bound", "gyro_bias_at")
 """Methods of a run that need the truth, which a run without it refuses."""
 _NO_TRUTH: Final[Any] = None
@@ -218,56 +209,6 @@ def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str,
     raise InputError(f"scenario {shown(scenario)} is no name: give that of a scenario, a Path of a file, or a Scenario")
 
 
-class WithheldError(InputError, AttributeError):
-    """Something was asked of a run or a scenario that would tell the truth."""
-
-
-def _refuse(name: str, *_: object, **__: object) -> NoReturn:
-    raise WithheldError(
-        f"{name} would tell the truth, which this run withholds: estimate from what run.imu and run.magnetometer read"
-    )
-
-
-class BlindScenario(Scenario):
-    """A scenario without its start and its seed."""
-
-    @classmethod
-    @lru_cache(maxsize=32)  # a filter is run many times on few scenarios
-    def of(cls, scenario: Scenario, given: tuple[str, ...] = ()) -> BlindScenario:
-        """Scenario as a filter may know it, with those of the withheld parameters that it is given."""
-        withheld = {*WITHHELD}.difference(given)
-        told = {name: value for name, value in scenario.parameters().items() if name not in withheld}
-        if scenario.motion == "path" and "initial_attitude_xyzw" in told:
-            told["initial_attitude_xyzw"] = tuple(scenario.start().attitude_xyzw.tolist())
-        known = Scenario.from_parameters(told)
-        blind = object.__new__(cls)
-        vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in withheld})
-        vars(blind)["sensor_parameters"] = tuple(pair for pair in known.sensor_parameters if pair[0] not in withheld)
-        return blind
-
-    def parameters(self) -> dict[str, Value]:
-        """Names and values of the parameters but those that are withheld."""
-        own = {name: value for name, value in vars(self).items() if name not in ("sensors", "sensor_parameters")}
-        return {**own, **dict(self.sensor_parameters)}
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, BlindScenario) and self.parameters() == other.parameters()
-
-    def __hash__(self) -> int:
-        return hash(self.sensor_parameters)
-
-
-def _given(name: str, scenario: BlindScenario) -> object:
-    """A parameter that is withheld, where this scenario gives it."""
-    if name not in vars(scenario):
-        _refuse(f"scenario.{name}")
-    return vars(scenario)[name]
-
-
-for _name in WITHHELD:
-    setattr(BlindScenario, _name, property(partial(_given, _name)))
-
-
 class BlindRun(Run):
     """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
 
@@ -308,7 +249,7 @@ class BlindRun(Run):
 
     def __getattribute__(self, name: str) -> Any:
         if name in _TELLING:
-            return partial(_refuse, f"run.{name}()")
+            return partial(refuse, f"run.{name}()")
         return super().__getattribute__(name)
 
 

@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.evaluation import CramerRaoBound, Limits, Score
+from lie_rigid_body.evaluation import CramerRaoBound, Limits, SampledTruth, Score, Truth
 from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantity
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.score import BiasEstimate
-from lie_rigid_body.evaluation.scoring import ScoreOptions, ScoresEstimates, score_estimate
+from lie_rigid_body.evaluation.scoring import ScoreOptions, ScoresEstimates, SensorLimits, score_estimate
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.showing import Shown, data_frame
@@ -29,10 +29,13 @@ from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.translation import MassCentre
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
+from lie_rigid_body.recording.logs import Log, read_log
 from lie_rigid_body.recording.samples import samples_in_memory
 from lie_rigid_body.recording.topic_discovery import require_topics
 from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
-from lie_rigid_body.runs.bound import cramer_rao_bound_of, sensor_limits
+from lie_rigid_body.runs.blind_scenario import BlindScenario
+from lie_rigid_body.runs.bound import MAX_BOUNDED, THINNED, bound_of_readings, cramer_rao_bound_of, sensor_limits
+from lie_rigid_body.runs.own_readings import GivenTruth, declared_sensors, log_of_arrays, sensors_of, truth_of
 from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
@@ -46,6 +49,7 @@ if TYPE_CHECKING:
 
 IMU: Final = "imu"
 """Name of the IMU among the sensors of a run."""
+_NO_STATE: Final[Any] = None
 
 
 class _NamedSensors:
@@ -84,6 +88,9 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         Stamps, ns, and body rates right after the kicks, rad/s, up to the last sample.
     sway, vibration : Harmonics or None
         The harmonics of the acceleration of the mass centre, and of the accelerometer's mount; None without.
+    log : Log or None
+        The readings of a run of a log or of arrays, each sensor with its own stamps; ``log.taken`` says what was taken
+        for what. Such a run has no segments. Its stamps are those of its truth, or without one those of the IMU.
     """
 
     t_ns: Integers
@@ -92,6 +99,9 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     segments: tuple[Segment, ...]
     faults: tuple[Fault, ...] = ()
     _recording: Recording | None = None
+    log: Log | None = None
+    _known: SampledTruth | None = None
+    _declared: Scenario | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t_ns", read_only(self.t_ns))  # an estimate is scored by the stamps that it got
@@ -125,7 +135,9 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
 
     @cached_property
     def _centre(self) -> MassCentre | None:
-        """The mass centre at the stamps of the truth; None where that is withheld."""
+        """The mass centre at the stamps of the truth; None where that is withheld or nobody knows it."""
+        if self.log is not None:
+            return None
         parts = [
             segment.scenario.mass_centre().at(self.t_ns[rows] - segment.start_ns) for segment, rows in self._parts()
         ]
@@ -155,6 +167,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     @cached_property
     def kicks(self) -> Kicks:
         """The kicks up to the last sample of the truth, by their stamps, ns."""
+        self._require_simulated("no kicks that are known")
         parts = []
         for segment, rows in self._parts():
             last_ns = int(self.t_ns[rows][-1]) if rows.stop > rows.start else segment.start_ns
@@ -232,9 +245,100 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             recording,
         )
 
+    @classmethod
+    def from_log(
+        cls,
+        path: str | Path,
+        *,
+        truth: GivenTruth = None,
+        imu: str | None = None,
+        magnetometer: str | None = None,
+        columns: Mapping[str, str | int] | None = None,
+    ) -> Run:
+        """Read a log of anybody's sensors, in SI units and in the order of the file; ``log.taken`` tells what is what.
+
+        Where the accelerometer has stamps of its own, it is linear at those of the gyro. ``run.log`` has its readings.
+
+        Parameters
+        ----------
+        path : str or Path
+            A bag in MCAP or SQLite with Imu, a CSV, or a folder or a zip with one CSV a sensor.
+        truth : SampledTruth, tuple, str or Path, optional
+            Stamps and attitudes world-from-body, a trajectory, a bag of poses, or a topic of the log.
+        imu, magnetometer : str, optional
+            Topics, where there are several.
+        columns : mapping of str to str or int, optional
+            Headers or numbers of columns, such as ``{"gyro_x": "wx:deg/s"}``; see `read_log`.
+
+        Raises
+        ------
+        InputError, BagError
+            With the row or the message that is at fault.
+        """
+        return cls._of_log(read_log(path, imu=imu, magnetometer=magnetometer, columns=columns), truth)
+
+    @classmethod
+    def from_arrays(
+        cls,
+        t_ns: ArrayLike,
+        gyro: ArrayLike,
+        specific_force: ArrayLike,
+        magnetic_field: ArrayLike | tuple[ArrayLike, ArrayLike] | None = None,
+        truth: SampledTruth | tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Run:
+        """Make a run of arrays of anybody's sensors.
+
+        Parameters
+        ----------
+        t_ns : array_like of int, shape (N,)
+            Stamps of the IMU, ns.
+        gyro, specific_force : array_like, shape (N, 3)
+            Rad/s and m/s².
+        magnetic_field : array_like, shape (N, 3), or tuple, optional
+            T; with a clock of its own its stamps and fields, shapes (L,) and (L, 3).
+        truth : SampledTruth or tuple, optional
+            Stamps and attitudes world-from-body, scalar last; NaN where they are unknown.
+
+        Raises
+        ------
+        InputError
+            If shapes or types are not those, or a reading is not finite.
+        """
+        return cls._of_log(log_of_arrays(t_ns, gyro, specific_force, magnetic_field), truth)
+
+    @classmethod
+    def _of_log(cls, log: Log, given: GivenTruth) -> Run:
+        sensors = sensors_of(log)
+        known = truth_of(log, given)
+        if known is None:
+            return cls(sensors[IMU].t_ns, _NO_STATE, sensors, (), log=log)
+        t_ns = known.stamps_ns
+        return cls(t_ns, State(*known.states(t_ns)), sensors, (), log=log, _known=known)
+
+    def with_sensors(self, file: str | Path | Mapping[str, object]) -> Run:
+        """A run of a log whose sensors are declared, so that it has a bound.
+
+        Parameters
+        ----------
+        file : str, Path or mapping
+            A parameter file, or parameters, with noise densities and the world's field; rates are those of the log.
+
+        Raises
+        ------
+        InputError
+            If a parameter is invalid, or the run is simulated, and declares its sensors itself.
+        """
+        if self.log is None:
+            raise InputError("a simulated run declares its sensors itself: give simulate other parameters")
+        return replace(self, _declared=declared_sensors(file, self.sensors))
+
     @property
     def scenario(self) -> Scenario:
-        """The scenario of the run; of a run with resets the first."""
+        """The scenario of the run; of a run with resets the first, of a log its declared sensors without a motion."""
+        if self._declared is not None:
+            return BlindScenario.of(self._declared)
+        if not self.segments:
+            raise _lacks("no scenario, which simulated runs have: run.with_sensors(file) declares its sensors")
         return self.segments[0].scenario
 
     def to_bag(
@@ -273,6 +377,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
             not.
         """
+        self._require_simulated("no scenario, which a bag holds: keep the log itself")
         given = {} if estimates is None else estimates
         scored = {} if scores is None else scores
         beside = messages_beside(given, scored, self.scenario, self.stamped)
@@ -316,8 +421,12 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             self.to_bag(Path(folder, "run.mcap"))
             return certify(read_bag(Path(folder, "run.mcap")), inertia)
 
-    def attitude(self) -> ScenarioTruth:
+    def attitude(self) -> Truth:
         """The true attitude at any time from the first sample until just before the one after the last."""
+        if self._known is not None:
+            return self._known
+        if self.log is not None:
+            raise _lacks("no truth: give one, as in Run.from_log(path, truth=file)")
         return self._attitude
 
     @cached_property
@@ -386,13 +495,24 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
                 )
             estimate = estimate[int(late[0]) :]
             truth = truth.between(int(estimate.t_ns[0]), truth.last_ns)
-        bias = None
-        if estimate.gyro_bias is not None:
-            given = numbers("gyro_bias", estimate.gyro_bias, 3)
-            truth_of_bias = self.gyro_bias_at(estimate.t_ns)
-            bias = BiasEstimate(estimate.t_ns, given, truth_of_bias, estimate.gyro_bias_covariance)
-        sensors = sensor_limits(self.segments, truth, bounded_ns, self.imu.gyro if IMU in self.sensors else None)
-        return score_estimate(estimate, truth, options, sensors, gyro_bias=bias)
+        limits_of_sensors = self._limits(truth, bounded_ns)
+        return score_estimate(estimate, truth, options, limits_of_sensors, gyro_bias=self._bias(estimate))
+
+    def _limits(self, truth: Truth, bounded_ns: int | None) -> SensorLimits:
+        """Limits that the sensors set to estimates."""
+        if self.log is not None:
+            return (
+                SensorLimits() if bounded_ns is None or self._declared is None else SensorLimits(self._bound(THINNED))
+            )
+        return sensor_limits(self.segments, truth, bounded_ns, self.imu.gyro if IMU in self.sensors else None)
+
+    def _bias(self, estimate: Estimate) -> BiasEstimate | None:
+        """The estimated biases of the gyro beside the true ones."""
+        if estimate.gyro_bias is None or self.log is not None:  # which no log tells
+            return None
+        given = numbers("gyro_bias", estimate.gyro_bias, 3)
+        truth_of_bias = self.gyro_bias_at(estimate.t_ns)
+        return BiasEstimate(estimate.t_ns, given, truth_of_bias, estimate.gyro_bias_covariance)
 
     def cramer_rao_bound(self) -> CramerRaoBound | None:
         """Bound that the declared noise of the sensors sets to the error of any estimator that knows no dynamics.
@@ -412,8 +532,20 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         InputError
             If the scenario declares more than 20 million readings, or a vector or a noise is too small or too large.
         """
+        if self.log is not None:
+            return self._bound(MAX_BOUNDED)
         last = max([self.t_ns[-1], *(self.imu.t_ns if IMU in self.sensors else [])])
         return cramer_rao_bound_of(self.segments, int(last))
+
+    def _bound(self, most: int) -> CramerRaoBound | None:
+        if self._declared is None:
+            raise _lacks("no declared noise: declare it by run.with_sensors(file)")
+        stamps = {name: arrays.t_ns for name, arrays in self.sensors.items()}
+        return bound_of_readings(self._declared, self.attitude(), stamps, most)
+
+    def _require_simulated(self, lacking: str) -> None:
+        if self.log is not None:
+            raise _lacks(lacking)
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
         """The true bias of the gyro at stamps, shape (K, 3), rad/s.
@@ -425,6 +557,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         InputError
             If the run does not tell it, there is no such reading, or a stamp is no integer.
         """
+        self._require_simulated("no true bias of its gyro")
         imu = self.sensors.get(IMU)
         bias = np.empty((0, 3)) if imu is None or imu.gyro_bias is None else imu.gyro_bias
         told = np.flatnonzero(np.isfinite(bias).all(axis=1))
@@ -483,6 +616,11 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         return SimulationStep(Samples(self.t_ns, self.truth, centre)[kept], sensors, faults)
 
 
+def _lacks(what: str) -> InputError:
+    """Error for what nobody knows of a run."""
+    return InputError(f"a run of a log or of arrays has {what}")
+
+
 def require_run(run: object) -> None:
     """Refuse what is no run.
 
@@ -491,4 +629,4 @@ def require_run(run: object) -> None:
     InputError
     """
     if not isinstance(run, Run):
-        raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")
+        raise InputError(f"run: {shown(run)} is no Run: give one of simulate, Run.from_bag or Run.from_log")

@@ -15,7 +15,8 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.path import MAX_KNOTS, Knots
-from lie_rigid_body.runs.ensemble import BlindRun, WithheldError
+from lie_rigid_body.runs.blind_scenario import WithheldError
+from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.simulation import Segment
 
 SENSORS: dict[str, Any] = {"imu_rate": 80.0, "accelerometer_lever_arm": [0.1, -0.2, 0.3], "sensor_grade": "mems"}

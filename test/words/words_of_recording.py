@@ -19,6 +19,7 @@ from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.logs import read_log
 from lie_rigid_body.recording.mcap_contents import nothing
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.recording.recovered_folder import recover_folder
@@ -150,8 +151,46 @@ def poses_of_two():
     return poses(None, "two.mcap")
 
 
+ROWS = [f"{i / 100},1,2,3\n" for i in range(9)]
+LOGS = (
+    ("", {}),
+    ("hello\n", {}),
+    ("\0", {}),
+    ("".join(ROWS), {}),
+    ("t,ax,ay,az\n" + "".join(ROWS), {}),
+    ("n,gx,gy,gz\n" + "".join(ROWS), {}),
+    ("t,gx,gy,gz\n" + "5,1,2,3\n" * 9, {}),
+    *((f"t,gx,gy,gz\n{ROWS[0]}{row}\n", {}) for row in ("1,2,3", "1,2,3,x", "1,2,3,nan", "1,2,3,", "x,1,2,3", '"' * 3)),
+    *(
+        ("t,gx,gy,gz\n" + "".join(ROWS), {"columns": columns})
+        for columns in (["gx"], {"gyro": "gx"}, {"gyro_x": "hx"}, {"gyro_x": "gy"})
+    ),
+    *(
+        ("t,gx,gy,gz\n" + "".join(ROWS), {"columns": {f"gyro_{axis}": f"g{axis}{unit}" for axis, unit in units}})
+        for units in (zip("xyz", (":kg", ":kg", ":kg"), strict=True), zip("xyz", (":deg/s", "", ""), strict=True))
+    ),
+    ("t,gx,gy,gz\n" + "".join(ROWS), {"imu": "/imu"}),
+)
+
+
+def log(text, how, name="hand.csv"):
+    Path(name).write_text(text)
+    return read_log(name, **how)
+
+
+def two_sensors():
+    Path("hand").mkdir(exist_ok=True)
+    for name, late in (("Gyroscope", 0), ("Magnetometer", 100)):
+        Path("hand", f"{name}.csv").write_text(
+            "Time (s),x,y,z\n" + "".join(f"{i / 100 + late},1,2,3\n" for i in range(9))
+        )
+    return read_log("hand")
+
+
 REFUSED = {
     BagError: [
+        lambda: log("SQLite", {}, "hand.db3"),
+        lambda: read_log(write_bag(Path("own.mcap"), 3)),
         *(lambda how=how: change(how) for how in CHANGES),
         *(lambda what=what: records(what) for what in RECORDS),
         *(lambda what=what: file(what) for what in FILES),
@@ -182,5 +221,11 @@ REFUSED = {
         lambda: poses(None),
         lambda: poses("".join(f"{k / 1000} 0 0 0 0 0 0 1\n" for k in range(6000))),
         poses_of_two,
+        *(lambda text=text, how=how: log(text, how) for text, how in LOGS),
+        lambda: log("PK\3\4", {}, "hand.zip"),
+        lambda: log("#ROSBAG V2.0", {}, "hand.bag"),
+        lambda: read_log("none.csv"),
+        lambda: read_log("."),
+        two_sensors,
     ],
 }

@@ -13,6 +13,7 @@ from lie_rigid_body.foundation.errors import LieRigidBodyError
 RUN = simulate("tumbling_cubesat", duration=1.0, imu_rate=50.0, motion="closed_form")
 Q, T = RUN.truth.attitude_xyzw, RUN.t_ns
 BODY, STARTS = RigidBody([1.0, 2.0, 2.5]), State([[0.0, 0.0, 0.0, 1.0]] * 2, [[0.4, -0.3, 0.2]] * 2)
+OWN = Run.from_arrays(RUN.imu.t_ns, RUN.imu.gyro, RUN.imu.specific_force)
 NO_TIMES = (0.0, np.nan, "60", 10**5000, np.timedelta64(1, "s"))
 NO_TOPICS = [{"pos": "/a/pose"}, {"pose": 1}, {1: "/a/pose"}, ["pose"], "pose", "x" * 1000]
 NO_NAMES = ("/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a", 3)
@@ -65,5 +66,17 @@ REFUSED = {
         lambda: with_estimates({"/mine": Estimate(Q, gyro_bias=Q[:, :3] * np.nan)}),
         lambda: with_estimates({"/mine": Estimate(Q, covariance=np.eye(3) + np.eye(3, k=1))}),
         lambda: with_estimates({}, scores=[1]),
+        lambda: OWN.scenario,
+        lambda: OWN.kicks,
+        lambda: OWN.score(Q),
+        lambda: OWN.with_sensors({}).cramer_rao_bound(),
+        lambda: OWN.cramer_rao_bound(),
+        lambda: OWN.gyro_bias_at(T),
+        lambda: OWN.to_bag("x.mcap"),
+        lambda: RUN.with_sensors({}),
+        lambda: Run.from_arrays(T, OWN.imu.gyro, OWN.imu.specific_force, truth="none.tum"),
+        lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro, OWN.imu.specific_force, truth=(T + 10**12, Q)),
+        lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro[1:], OWN.imu.specific_force),
+        lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro, OWN.imu.specific_force, truth=Q),
     ]
 }

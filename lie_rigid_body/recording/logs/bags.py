@@ -1,0 +1,127 @@
+"""Readings on topics of sensor_msgs/Imu and MagneticField, found by their types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.messages import NOT_GIVEN
+from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, places
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic, nothing
+from lie_rigid_body.recording.sqlite_reader import bag_contents
+from lie_rigid_body.recording.topic_messages import stamped_numbers
+from lie_rigid_body.sensors import SENSORS
+
+GYRO: Final = "gyro"
+ACCELEROMETER: Final = "accelerometer"
+MAGNETOMETER: Final = "magnetometer"
+_FIELDS: Final = {
+    IMU: {GYRO: "angular_velocity", ACCELEROMETER: "linear_acceleration"},
+    MAGNETIC_FIELD: {MAGNETOMETER: "magnetic_field"},
+}
+"""Fields of vectors by the sensors that they are of; a covariance is called after its vector."""
+
+_TRUE: Final = tuple(f"/{topic.name}" for sensor in SENSORS.values() for topic in sensor.topics[1:])
+"""Topics of this package that tell the true errors of readings."""
+
+
+@short_dataclass(frozen=True)
+class Vectors:
+    """Readings of one sensor, in the order of the file.
+
+    Attributes
+    ----------
+    t_ns : ndarray of int64, shape (N,)
+        Stamps as they stand: perhaps repeated, or falling.
+    values : ndarray, shape (N, 3)
+    source : str
+        Topic, or columns.
+    arrival_ns : ndarray of int64, shape (N,), or None
+        Log times of a bag, ns.
+    variance : ndarray, shape (N, 3), or None
+        Declared variances of the axes; None where none is declared.
+    """
+
+    t_ns: Integers
+    values: Array
+    source: str = ""
+    arrival_ns: Integers | None = None
+    variance: Array | None = None
+
+    def at(self, t_ns: Integers) -> Array:
+        """Readings at other stamps, shape (K, 3), linear between their own in the order of time."""
+        order = np.argsort(self.t_ns, kind="stable")
+        first = self.t_ns[order[0]]
+        since = self.t_ns[order] - first
+        return np.column_stack([np.interp(t_ns - first, since, axis) for axis in self.values[order].T])
+
+
+def read_bag(path: Path, imu: str | None, magnetometer: str | None) -> tuple[dict[str, Vectors], list[str]]:
+    """The readings of a bag by their sensors, and sentences about its topics.
+
+    Raises
+    ------
+    BagError
+        If it cannot be read, or a topic has to be chosen.
+    InputError
+        If it has no gyro, or a reading is not finite.
+    """
+    contents = bag_contents(path, nothing)
+    found = dict[str, Vectors]()
+    taken = list[str]()
+    for kind, option, given in ((IMU, "imu", imu), (MAGNETIC_FIELD, "magnetometer", magnetometer)):
+        track = _chosen(path, contents, kind, option, given)
+        if track is not None:
+            read = dict(_read(path, contents, track))
+            found |= read
+            taken.append(f"The topic {track.topic}, of {kind}, has the {' and the '.join(read)}.")
+    if GYRO not in found:
+        raise InputError(f"{path}: its Imu declares no angular velocity, by a covariance of -1: give another topic")
+    return found, taken
+
+
+def _chosen(path: Path, contents: McapContents, kind: str, option: str, given: str | None) -> RawTopic | None:
+    """The topic of a type that is given, or the only one; None where no magnetometer is there."""
+    tracks = [track for track in contents.tracks.values() if track.count and not track.topic.endswith(_TRUE)]
+    alike = {track.topic: track for track in tracks if track.message_type == kind}
+    if given is not None and given not in alike:
+        there = listed([*alike]) or "none"
+        raise BagError(f"{path} has no messages of {kind} on {shown(given)}: topics of that type are {there}")
+    if given is None and len(alike) > 1:
+        raise BagError(f"{path} has several topics of {kind}, {listed([*alike])}: choose one by {option}")
+    if not alike and kind == IMU:
+        there = listed([f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
+        raise BagError(f"{path} has no messages of {kind}, but {there}: record the IMU")
+    return alike.get(given) if given is not None else next(iter(alike.values()), None)
+
+
+def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[str, Vectors]]:
+    """The sensors on a topic, and their readings."""
+    where = places(track.message_type)
+    fields = _FIELDS[track.message_type]
+    parts = list[tuple[Integers, Integers, dict[str, Array]]]()
+    for logged_ns, decoded in stamped_numbers(path, contents, track):
+        assert decoded.stamps_ns is not None
+        of_part = {
+            sensor: decoded.numbers[:, [*where[field], *where[f"{field}_covariance"][::4]]]
+            for sensor, field in fields.items()
+        }
+        parts.append((decoded.stamps_ns, logged_ns, of_part))
+    t_ns, logged_ns = (np.concatenate(each) for each in list(zip(*parts, strict=True))[:2])
+    for sensor, field in fields.items():
+        numbers = np.concatenate([of_part[sensor] for *_, of_part in parts])
+        values, variance = np.hsplit(numbers, 2)
+        if (variance[:, 0] == NOT_GIVEN).all():
+            continue
+        if len(bad := np.flatnonzero(~np.isfinite(values).all(axis=1))):
+            told = f"message {bad[0] + 1} on {track.topic} has a {field} that is not finite, of {len(bad)} such"
+            raise InputError(f"{path}: {told}: leave them out")
+        source = f"{track.topic} {field}"
+        yield sensor, Vectors(t_ns, values, source, logged_ns, variance if variance.any() else None)
