@@ -1,0 +1,210 @@
+"""Comparison of the sensors of a log with each other: which hypothesis explains them, and its constants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.inspection.constants import Constants, Placed, Refined, constants_of, refine
+from lie_rigid_body.inspection.explanations import Verdict, explanations, judged
+from lie_rigid_body.inspection.findings import Findings, Mistake
+from lie_rigid_body.inspection.gravity import weight
+from lie_rigid_body.inspection.rule import (
+    ACCELEROMETER_OFFSET_COST,
+    GYRO_HZ,
+    GYROS,
+    MAGNETOMETER_OFFSET_COST,
+    MAX_LOG_FACTOR_ERROR,
+    MAX_MISFIT,
+    MAX_ROTATION_DEG,
+    MAX_SPAN_S,
+    MAX_SWING,
+    MIN_SPAN_S,
+    REFINED_LOG_FACTOR,
+    RIGHT,
+    VECTOR_HZ,
+    Gyro,
+)
+from lie_rigid_body.inspection.search import Misfits, Worlds, search
+from lie_rigid_body.inspection.stamps import Stream
+from lie_rigid_body.inspection.world import Vector
+
+OFFSET_COSTS = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What the vectors of a log tell together.
+
+    Attributes
+    ----------
+    worlds : Worlds
+    verdict : Verdict
+    placed : tuple of Placed
+        Each vector with its turn and its fitted delay.
+    refined : Refined
+    constants : tuple of Constants
+        Of each vector.
+    taken_off : bool
+        Whether a constant was taken off the accelerometer's readings.
+    """
+
+    worlds: Worlds
+    verdict: Verdict
+    placed: tuple[Placed, ...]
+    refined: Refined
+    constants: tuple[Constants, ...]
+    taken_off: bool
+
+    @property
+    def before(self) -> float:
+        """Largest misfit of a vector without a repair."""
+        return max(plain_misfit(each.misfits) for each in self.placed)
+
+    @property
+    def after(self) -> float:
+        """Largest misfit of a vector with the repairs."""
+        return max(constants.misfit for constants in self.constants)
+
+
+def plain_misfit(found: Misfits) -> float:
+    """Misfit of a vector without a repair."""
+    delays, misfits = found.by_delay(RIGHT)
+    return float(misfits[np.abs(delays).argmin(), 0])
+
+
+def liveliest(gyro: Stream) -> tuple[int, int]:
+    """First and last stamp, ns, of the stretch in which the body turns most about the axis about which it turns least."""
+    t_s, rate = gyro.averaged(1.0)
+    if t_s[-1] - t_s[0] <= MAX_SPAN_S:
+        return int(gyro.t_ns[0]), int(gyro.t_ns[-1])
+    sums = np.cumsum(rate[:, :, np.newaxis] * rate[:, np.newaxis], axis=0)
+    ends = np.searchsorted(t_s, t_s + MAX_SPAN_S)
+    begins = np.flatnonzero(ends < len(t_s))
+    least = np.linalg.eigvalsh(sums[ends[begins]] - sums[begins])[:, 0]
+    begin_ns = int(t_s[begins[least.argmax()]] * 1e9)
+    return begin_ns, begin_ns + int(MAX_SPAN_S * 1e9)
+
+
+def _is_too_slow(streams: Sequence[Stream], rate: Array, factor: float) -> bool:
+    """Whether the body turns too far between readings, at nine in ten."""
+    fast = float(np.quantile(np.linalg.norm(rate, axis=1), 0.9)) * factor
+    step_s = max(float(np.median(np.diff(each.t_ns))) for each in streams) / 1e9
+    return bool(np.degrees(fast * step_s) > MAX_ROTATION_DEG)
+
+
+def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> Comparison | None:
+    """Search, choose and refine an explanation of all sensors; what cannot be compared is told.
+
+    Parameters
+    ----------
+    gyro : Stream
+    others : sequence of Stream
+        Accelerometer and magnetometer, as far as there are such.
+    found : Findings
+    """
+    begin_ns, end_ns = liveliest(gyro)
+    streams = [each.between(begin_ns, end_ns) for each in (gyro, *others)]
+    origin_s = begin_ns // 10**9
+    averaged = [each.averaged(VECTOR_HZ if i else GYRO_HZ) for i, each in enumerate(streams)]
+    (t_s, rate), *readings = [(t_s - origin_s, values) for t_s, values in averaged]
+    worlds = Worlds(t_s, rate)
+    vectors = [
+        Misfits(Vector.of_readings(stream.sensor, *values, OFFSET_COSTS[stream.sensor]), worlds)
+        for stream, values in zip(streams[1:], readings, strict=True)
+    ]
+    short = [each for each in vectors if not _is_long(each.vector, t_s)]
+    for each in short:
+        found.ask(f"{each.vector.sensor}_axes", f"the log has less than {MIN_SPAN_S:g} s of this sensor and the gyro")
+    vectors = [each for each in vectors if each not in short]
+    if not vectors:
+        return None
+    gyros = _search_all(vectors, worlds)
+    if _is_too_slow(streams, rate, vectors[0].best()[0].factor):
+        for each in vectors:
+            found.ask(
+                f"{each.vector.sensor}_axes", "the log is too slow for its motion: record it at a higher rate, or"
+            )
+        return None
+    vectors, taken_off = _weighed(vectors, worlds, gyros[len(GYROS) :], found)
+    vectors = [each for each in vectors if _fits(each, worlds, found)]
+    every = explanations(vectors, gyros) if vectors else []
+    if not every:
+        if vectors:
+            found.ask("gyro_axes", "no one gyro explains all other sensors")
+        return None
+    return _refined(vectors, worlds, judged(every), taken_off)
+
+
+def _is_long(vector: Vector, t_s: Array) -> bool:
+    if len(vector.t_s) < 2 or len(t_s) < 2:
+        return False
+    common = min(t_s[-1], vector.t_s[-1]) - max(t_s[0], vector.t_s[0])
+    return bool(common >= MIN_SPAN_S)
+
+
+def _search_all(vectors: Sequence[Misfits], worlds: Worlds) -> tuple[Gyro, ...]:
+    """Search with the gyros of the grid, then with the factors that each vector by itself fits best."""
+    search(vectors)
+    more: list[Gyro] = []
+    for each in vectors:
+        gyro, delay_s, turn = each.best()
+        refined = refine([Placed(each, turn, delay_s)], worlds, gyro)
+        moved = abs(np.log(refined.gyro.factor / gyro.factor))
+        if moved > REFINED_LOG_FACTOR and refined.log_factor_sigma < MAX_LOG_FACTOR_ERROR:
+            more.extend(Gyro(sign, refined.gyro.factor) for sign in (gyro.sign, -gyro.sign))
+    if more:
+        search(vectors, more)
+    return (*GYROS, *more)
+
+
+def _weighed(
+    vectors: Sequence[Misfits], worlds: Worlds, more: Sequence[Gyro], found: Findings
+) -> tuple[list[Misfits], bool]:
+    """The vectors without an accelerometer that has no gravity; one that lost a constant is searched anew with it."""
+    first = vectors[0]
+    if first.vector.sensor != "accelerometer":
+        return list(vectors), False
+    held = weight(first, worlds)
+    if held.is_healthy:
+        return list(vectors), False
+    free = Misfits(replace(first.vector, offset_cost=MAGNETOMETER_OFFSET_COST), worlds)
+    search([free])
+    if more:
+        search([free], more)
+    freed = weight(free, worlds)
+    if freed.is_better_than(held):
+        return [free, *vectors[1:]], True
+    if held.is_without_gravity:
+        text = (
+            f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it off, "
+            "or the body falls freely"
+        )
+        or_else = ("accelerometer_units",) if held.swing < MAX_SWING else ()
+        found.mistakes.append(Mistake("gravity_removed", "accelerometer", text, "", held.misfit, None, or_else))
+        return list(vectors[1:]), False
+    return list(vectors), False
+
+
+def _fits(each: Misfits, worlds: Worlds, found: Findings) -> bool:
+    """Whether some hypothesis makes a vector constant; that none does is told."""
+    misfit = weight(each, worlds).misfit
+    if misfit <= MAX_MISFIT:
+        return True
+    sensor = each.vector.sensor
+    found.ask(f"{sensor}_axes", f"no repair makes the {sensor} constant in the world, {misfit:.0%} of it remain")
+    return False
+
+
+def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Verdict, taken_off: bool) -> Comparison:
+    best = verdict.best
+    placed = [Placed(each, fit.turn, fit.delay_s) for each, fit in zip(vectors, best.fittings, strict=True)]
+    refined = refine(placed, worlds, best.gyro)
+    moved = [each._replace(delay_s=delay.delay_s) for each, delay in zip(placed, refined.delays, strict=True)]
+    world = worlds.of(refined.gyro)
+    return Comparison(
+        worlds, verdict, tuple(moved), refined, tuple(constants_of(each, world) for each in moved), taken_off
+    )
