@@ -77,7 +77,7 @@ def plain_misfit(found: Misfits) -> float:
 
 
 def liveliest(gyro: Stream) -> tuple[int, int]:
-    """First and last stamp, ns, of the stretch in which the body turns most about the axis about which it turns least."""
+    """First and last stamp, ns, of the stretch that has the most rotation about the axis of least rotation."""
     t_s, rate = gyro.averaged(1.0)
     if t_s[-1] - t_s[0] <= MAX_SPAN_S:
         return int(gyro.t_ns[0]), int(gyro.t_ns[-1])

@@ -1,7 +1,7 @@
 """Explanations of all vectors at once by few repairs, and the rule that chooses among them.
 
-A common rotation of all sensors is not seen: of a gyro's sign s and turns P of the vectors each C of 1 and these P is as
-good a frame. The gyro's axes are s Cᵀ then, those of a vector Cᵀ P.
+A common rotation of all sensors is not seen. With a gyro's sign s and turns P of the vectors, each C of 1 and these P
+is as good a frame: the gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
 """
 
 from __future__ import annotations
@@ -182,12 +182,13 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     if not len(delays):
         return []
     short = np.flatnonzero(np.abs(delays) <= MIN_DELAY_S)
+    least = found.least
     fittings = []
     for turn, best in enumerate(misfits.argmin(axis=0)):
         plain = short[misfits[short, turn].argmin()]
         places = [(plain, False)] if best in short else [(plain, False), (best, True)]
         for place, is_late in places:
-            ratio = float(misfits[place, turn]) / found.least
+            ratio = float(misfits[place, turn]) / least
             if ratio <= EXCLUDED:
                 fittings.append(Fitting(turn, float(delays[place]), ratio, is_late))
     return fittings
@@ -201,7 +202,7 @@ def _cost(fitting: Fitting, frame: int) -> int:
 def _combinations(
     options: Sequence[Sequence[Fitting]], base: int, most: int
 ) -> Iterator[tuple[int, tuple[Fitting, ...]]]:
-    """Frames and fittings of all vectors with at most so many repairs besides delays, a frame being that of a sensor."""
+    """Frames, each that of a sensor, and fittings of all vectors with at most so many repairs besides delays."""
     turns = {fitting.turn for each in options for fitting in each}
     for frame in sorted({0, *turns}):
         left = most - base - (frame != 0)

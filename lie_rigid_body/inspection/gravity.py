@@ -1,4 +1,4 @@
-"""What is constant of the specific force: gravity in some unit, none, or gravity less a constant of the sensor's axes."""
+"""Constant part of the specific force: gravity in some unit, none, or gravity less a constant of the sensor's axes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_UNITS,
     GRAVITY,
-    MAX_HEALTHY_OFFSET,
     MAX_NO_GRAVITY,
     MAX_SWING,
     MIN_GAIN,
@@ -51,7 +50,7 @@ class Weight(NamedTuple):
     @property
     def is_healthy(self) -> bool:
         """Whether the vector is gravity without an offset."""
-        return self.unit is not None and self.swing < MAX_SWING and self.offset < MAX_HEALTHY_OFFSET
+        return self.unit is not None and self.swing < MAX_SWING and self.offset < MIN_TAKEN_OFF
 
     @property
     def is_without_gravity(self) -> bool:

@@ -9,7 +9,6 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.inspection.comparison import Comparison, compare
 from lie_rigid_body.inspection.findings import Estimated, Findings, Mistake, Note, Undecided
 from lie_rigid_body.inspection.sentences import Change, Changes, tell, tell_field_unit
@@ -120,13 +119,10 @@ def inspect(run: Run) -> Inspection:
         for sensor, name in READINGS.items()
         if _key(sensor) in stamps
     }
+    streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
     for stream in streams.values():
         tell_values(stream, found)
-    streams = {
-        sensor: fresh(stream, found)
-        for sensor, stream in streams.items()
-        if not found.has("stuck", sensor) and stream.readings.any() and len(stream.t_ns) > 1
-    }
+    streams = {sensor: stream for sensor, stream in streams.items() if not found.has("stuck", sensor)}
     comparison = None
     if "gyro" in streams and len(streams) > 1:
         gyro, *others = streams.values()

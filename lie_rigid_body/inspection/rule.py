@@ -140,10 +140,9 @@ MAX_SWING: Final = 0.35
 at most, those without gravity 0.6 and more."""
 SWING_LENGTH_S: Final = 2.0
 """Length of the windows in which it changes, s."""
-MAX_HEALTHY_OFFSET: Final = 0.15
-"""Offset over gravity up to which the unit is told at once: healthy recordings have 0.026 at most."""
-MIN_TAKEN_OFF: Final = 0.25
-"""Offset over gravity from which a constant was taken off: means that were had 0.31 and more."""
+MIN_TAKEN_OFF: Final = 0.15
+"""Offset over gravity from which a constant was taken off: means that were had 0.24 and more, healthy recordings have
+0.026 at most."""
 MAX_NO_GRAVITY: Final = 0.25
 """Mean specific force over gravity up to which gravity was removed: such recordings have 0.08 at most."""
 

@@ -87,7 +87,7 @@ class Misfits:
         return max((self._usual[length] / float(misfit.min()) for length, misfit in found), default=1.0)
 
     def choose_length(self) -> None:
-        """Choose the windows in which the best hypothesis stands out most, among those that leave much of the vector."""
+        """Choose the windows in which the best hypothesis stands out most, if they leave much of the vector."""
         bests = []
         for length, usual in self._usual.items():
             found = {key: float(by[length].min()) for key, by in self._found.items() if length in by}
@@ -166,7 +166,7 @@ def search(found: Sequence[Misfits], more: Iterable[Gyro] = ()) -> None:
         each.add(gyro)
     for each in found:
         each.screen()
-    best = {each: 0.0 for each in found}
+    best = dict.fromkeys(found, 0.0)
     for gyro in extra or _likely(found):
         hopeless = all(each.contrast(gyro) < best[each] / HOPELESS for each in found)
         if hopeless and gyro != RIGHT and not extra:

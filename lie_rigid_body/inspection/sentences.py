@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.wording import components
+from lie_rigid_body.foundation.wording import components, numerals
 from lie_rigid_body.inspection.comparison import Comparison
-from lie_rigid_body.inspection.constants import Constants, Delay, Placed, other_delays
+from lie_rigid_body.inspection.constants import Constants, Delay, other_delays
 from lie_rigid_body.inspection.explanations import Repair, axes_text
 from lie_rigid_body.inspection.findings import Findings, Mistake
 from lie_rigid_body.inspection.rule import (
@@ -204,7 +204,9 @@ def _tell_delays(comparison: Comparison, found: Findings, changes: Changes) -> N
         if abs(delay.delay_s) > MIN_DELAY_S or delay.unseen_s > DIM_DELAY_S:
             found.ask(f"{sensor}_late", f"a delay of the {sensor} of {delay.unseen_s:.2g} s is not seen")
         else:
-            found.note("delay", f"the {sensor} is {delay.delay_s * 1e3:.3g} ms late against the gyro", delay.delay_s)
+            found.note(
+                f"{sensor}_late", f"the {sensor} is {delay.delay_s * 1e3:.3g} ms late against the gyro", delay.delay_s
+            )
 
 
 def _are_alike(delays: Sequence[Delay]) -> bool:
@@ -258,19 +260,18 @@ def _tell_offset(comparison: Comparison, i: int, found: Findings, changes: Chang
         )
     if share > max(MIN_HARD_IRON, SIGMAS * constants.offset_share_sigma) and constants.offset_gain > MIN_GAIN:
         if told and constants.soft_offset_share > MIN_HARD_IRON:
-            text = f"hard iron of {components(constants.offset, 3)}, {share:.2f} of the field"
+            text = f"hard iron of ({numerals(constants.offset)}), {share:.2f} of the field"
             found.note("hard_iron", text, tuple(map(float, constants.offset)))
         else:
-            found.note("soft_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes", share)
+            found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
     if constants.seen < MIN_GAIN:
-        text = f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen in this log"
-        found.note("hard_iron_unseen", text, tuple(map(float, constants.blind)))
+        found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
 
 
 def _tell_taken_off(comparison: Comparison, constants: Constants, found: Findings, changes: Changes) -> None:
     text = (
-        f"a constant of ({components(constants.offset, 3)}) in the sensor's axes was taken off the accelerometer: its mean, or its "
-        "reading at rest"
+        f"a constant of ({components(-constants.offset, 3)}) in the sensor's axes was taken off the accelerometer: "
+        "its mean, or its reading at rest"
     )
     given = ", ".join(f"{-number:+.4g}" for number in constants.offset)
     found.mistakes.append(

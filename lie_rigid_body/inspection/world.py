@@ -56,7 +56,7 @@ class World:
         return cls(t_s, rate, rotation, integral)
 
     def at(self, t_s: Array) -> tuple[Array, Array]:
-        """Rotation and its integral at times within, shape (M, 3, 3) each: from the nearest reading on, to first order."""
+        """Rotation and its integral at times within, shape (M, 3, 3) each: to first order from the nearest reading."""
         after = np.clip(np.searchsorted(self.t_s, t_s), 1, len(self.t_s) - 1)
         nearest = after - (t_s - self.t_s[after - 1] < self.t_s[after] - t_s)
         since = (t_s - self.t_s[nearest])[:, np.newaxis]
@@ -100,7 +100,8 @@ class Windows(NamedTuple):
             axis=2,
         )
         parts = [part.reshape(-1, COLUMNS) for part in np.array_split(steps, chunks)]
-        return np.array([part.T @ part for part in parts]) / len(first)
+        # a copy: the product of an array with its own transpose waits for the threads of the library
+        return np.array([part.T @ part.copy() for part in parts]) / len(first)
 
 
 @dataclass(frozen=True)
