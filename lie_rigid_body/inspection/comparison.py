@@ -123,7 +123,8 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> Comparis
     if not vectors:
         return None
     gyros = _search_all(vectors, worlds)
-    if _is_too_slow(streams, rate, vectors[0].best()[0].factor):
+    clearest = max((each.best()[0] for each in vectors), key=lambda gyro: max(each.contrast(gyro) for each in vectors))
+    if _is_too_slow(streams, rate, clearest.factor):
         for each in vectors:
             found.ask(
                 f"{each.vector.sensor}_axes", "the log is too slow for its motion: record it at a higher rate, or"

@@ -206,6 +206,24 @@ def refine(placed: Sequence[Placed], worlds: Worlds, gyro: Gyro) -> Refined:
     return Refined(gyro, sigma, tuple(delays))
 
 
+class Shape(NamedTuple):
+    """Fit of a vector whose turn may stretch and shear as well, as soft iron does.
+
+    Attributes
+    ----------
+    misfit : float
+    offset : float
+        Size of the offset, as a share of the readings' RMS.
+    matrix, matrix_sigma : ndarray, shape (3, 3)
+        Stretch and shear on the sensor's axes with standard errors: near the identity for none.
+    """
+
+    misfit: float
+    offset: float
+    matrix: Array
+    matrix_sigma: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Constants:
     """A vector under the chosen explanation.
@@ -216,8 +234,8 @@ class Constants:
         Share of the vector.
     size : float
         RMS of what is constant in the world, in the unit of the readings.
-    rate_bias : ndarray, shape (3,)
-        Of the gyro, rad/s, on its own axes and in its own unit after the factor.
+    rate_bias, rate_bias_sigma : ndarray, shape (3,)
+        Of the gyro, rad/s, in its frame.
     offset, offset_sigma : ndarray, shape (3,)
         Of the readings, on the sensor's axes, in their unit.
     offset_share : float
@@ -229,17 +247,14 @@ class Constants:
         Ratio of the misfit with `MIN_HARD_IRON` along the direction in which it is seen least to the misfit.
     blind : ndarray, shape (3,)
         This direction, on the sensor's axes.
-    soft_offset_share : float
-        Size of the offset where the turn may stretch and shear as well.
-    shape : ndarray, shape (3, 3)
-        Stretch and shear that fit best with it, on the sensor's axes: the identity for none.
-    shape_gain : float
-        Ratio of the misfit without shape to that with it.
+    shape : Shape
+        Fit in which the turn may stretch and shear.
     """
 
     misfit: float
     size: float
     rate_bias: Array
+    rate_bias_sigma: Array
     offset: Array
     offset_sigma: Array
     offset_share: float
@@ -247,9 +262,7 @@ class Constants:
     offset_gain: float
     seen: float
     blind: Array
-    soft_offset_share: float
-    shape: Array
-    shape_gain: float
+    shape: Shape
 
 
 def constants_of(placed: Placed, world: World) -> Constants:
@@ -264,34 +277,32 @@ def constants_of(placed: Placed, world: World) -> Constants:
     offset = fit.constants[turn, 3:]
     size = rms(np.linalg.norm(windows.vectors(turn, offset), axis=1))
     back = TURNS[turn].T
-    errors = back @ np.sqrt(np.diag(_offset_covariance(grams, fit.column[turn], turn, vector.offset_cost)))
+    errors = _standard_errors(grams, fit.column[turn], OF_CONSTANTS[turn], costs_of(vector.offset_cost))
+    offset_errors = np.abs(back) @ errors[3:]
     least, blind = _dimmest(gram, turn)
     held = fit_turns(gram, FREE_OFFSET_COST).told[turn]
-    soft_offset, shape, soft_misfit = _soft(gram, turn, vector.offset_cost)
     return Constants(
         misfit,
         size * vector.size,
         fit.constants[turn, :3],
+        errors[:3],
         back @ offset * vector.size,
-        np.abs(errors) * vector.size,
+        offset_errors * vector.size,
         float(np.linalg.norm(offset)) / size,
-        rms(np.abs(errors)) / size,
+        rms(offset_errors) / size,
         float(held) / misfit,
         float(np.sqrt(1.0 + least * (MIN_HARD_IRON * size / misfit) ** 2)),
         back @ blind,
-        float(np.linalg.norm(soft_offset)) / size,
-        shape,
-        misfit / max(soft_misfit, MIN_MISFIT),
+        _shape(grams, turn, vector.offset_cost),
     )
 
 
-def _offset_covariance(grams: Array, column: Array, turn: int, offset_cost: float) -> Array:
-    """Covariance of the offset, shape (3, 3): the sandwich of the chunks' slopes."""
-    changes = OF_CONSTANTS[turn]
+def _standard_errors(grams: Array, column: Array, changes: Array, costs: Array) -> Array:
+    """Standard errors of fitted constants by the scatter of the slopes of the chunks, shape (C,)."""
     slopes = grams @ column @ changes
-    normal = changes.T @ grams.sum(axis=0) @ changes + np.diag(costs_of(offset_cost))
+    normal = changes.T @ grams.sum(axis=0) @ changes + np.diag(costs)
     moved = np.linalg.solve(normal, (slopes - slopes.mean(axis=0)).T)
-    return np.asarray(moved @ moved.T)[3:, 3:]
+    return np.linalg.norm(moved, axis=1)
 
 
 def _dimmest(gram: Array, turn: int) -> tuple[float, Array]:
@@ -304,14 +315,19 @@ def _dimmest(gram: Array, turn: int) -> tuple[float, Array]:
     return max(float(growth[0]), 0.0), directions[:, 0]
 
 
-def _soft(gram: Array, turn: int, offset_cost: float) -> tuple[Array, Array, float]:
-    """Offset, shape on the sensor's axes, and misfit, where the turn may stretch and shear."""
+def _shape(grams: Array, turn: int, offset_cost: float) -> Shape:
     elements = TURNS[turn].ravel()
     others = np.linalg.svd(elements[np.newaxis])[2][1:].T  # 8 directions square to the turn
-    changes = np.zeros((len(gram), 8))
-    changes[:9] = others
-    changes = np.hstack([changes, OF_CONSTANTS[turn]])
+    stretch = np.zeros((grams.shape[1], 8))
+    stretch[:9] = others
+    changes = np.hstack([stretch, OF_CONSTANTS[turn]])
     costs = np.concatenate([np.full(8, SHAPE_COST), costs_of(offset_cost)])
-    fit = least_misfit(gram, OF_TURNS[turn : turn + 1], changes[np.newaxis], costs)
-    stretched = (elements + others @ fit.constants[0, :8]).reshape(3, 3)
-    return fit.constants[0, 11:], TURNS[turn].T @ stretched, float(fit.misfit[0])
+    fit = least_misfit(grams.sum(axis=0), OF_TURNS[turn : turn + 1], changes[np.newaxis], costs)
+    errors = _standard_errors(grams, fit.column[0], changes, costs)
+    back = TURNS[turn].T
+    return Shape(
+        float(fit.told[0]),
+        float(np.linalg.norm(fit.constants[0, 11:])),
+        back @ (elements + others @ fit.constants[0, :8]).reshape(3, 3),
+        np.abs(back) @ np.sqrt((others * errors[:8]) ** 2 @ np.ones(8)).reshape(3, 3),
+    )

@@ -11,6 +11,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.inspection.comparison import Comparison, compare
 from lie_rigid_body.inspection.findings import Estimated, Findings, Mistake, Note, Undecided
+from lie_rigid_body.inspection.noise import tell_noise
 from lie_rigid_body.inspection.sentences import Change, Changes, tell, tell_field_unit
 from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
 from lie_rigid_body.runs import Run, SensorArrays
@@ -119,6 +120,10 @@ def inspect(run: Run) -> Inspection:
         for sensor, name in READINGS.items()
         if _key(sensor) in stamps
     }
+    for key, t_ns in stamps.items():
+        found.estimate(f"{key}_rate", float(f"{1e9 / np.median(np.diff(t_ns)):.7g}"))
+    if "imu" in stamps:
+        tell_noise(list(streams.values()), found)
     streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
     for stream in streams.values():
         tell_values(stream, found)

@@ -177,3 +177,23 @@ MAX_GRID_STEPS: Final = 2**24
 """Largest number of steps between the extremes of readings that are multiples of a resolution: sensors have 24 bits."""
 GRID_TOLERANCE: Final = 0.01
 """Largest distance of such a reading from a multiple, in steps."""
+
+# --- noise at rest ---------------------------------------------------------------------------------------------------
+REST_WINDOW_S: Final = 1.0
+"""Length of the windows that are at rest or not, s."""
+MIN_REST_S: Final = 10.0
+"""Least duration of rest that tells noise, s."""
+MAX_REST_RATE: Final = float(np.radians(5.0))
+"""Largest mean reading of a gyro at rest, rad/s: its bias."""
+REST_SIGMAS: Final = 6.0
+"""Largest change of the mean from window to window at rest, in standard errors of white noise."""
+REST_PARTS: Final = 10
+"""Number of parts of a window, whose means scatter as those of white noise at rest."""
+MAX_REST_COLOUR: Final = 5.0
+"""Largest ratio of the variance of these means to that of white noise: sensors have low-pass filters."""
+MIN_ALLAN_S: Final = 0.1
+"""Shortest averaging time of the Allan deviation, s: filters of sensors are faster."""
+OCTAVES_SHARED: Final = 2.0
+"""Factor of the variances of fitted densities, as octaves share readings: errors are 1.4 to 1.5 times those without."""
+MIN_ALLAN_CYCLES: Final = 5.0
+"""Least duration of rest over the longest averaging time."""

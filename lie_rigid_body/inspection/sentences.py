@@ -259,7 +259,7 @@ def _tell_offset(comparison: Comparison, i: int, found: Findings, changes: Chang
             tuple(map(float, constants.offset_sigma)),
         )
     if share > max(MIN_HARD_IRON, SIGMAS * constants.offset_share_sigma) and constants.offset_gain > MIN_GAIN:
-        if told and constants.soft_offset_share > MIN_HARD_IRON:
+        if told and constants.shape.offset > MIN_HARD_IRON * constants.size / placed.misfits.vector.size:
             text = f"hard iron of ({numerals(constants.offset)}), {share:.2f} of the field"
             found.note("hard_iron", text, tuple(map(float, constants.offset)))
         else:
@@ -281,10 +281,13 @@ def _tell_taken_off(comparison: Comparison, constants: Constants, found: Finding
 
 
 def _tell_rate_bias(comparison: Comparison, found: Findings) -> None:
-    """Tell the bias of the gyro that the vector with the least misfit shows."""
+    """Tell the bias of the gyro's readings that the vector with the least misfit shows, unless rest has told it."""
     best = min(comparison.constants, key=lambda constants: constants.misfit)
-    bias = comparison.refined.gyro.sign * TURNS[comparison.verdict.best.frame].T @ best.rate_bias
-    found.note("gyro_bias", f"the gyro has a bias of ({components(np.degrees(bias), 3)}) °/s", tuple(map(float, bias)))
+    bias = tuple(map(float, -best.rate_bias / comparison.refined.gyro.multiplier))
+    errors = tuple(map(float, best.rate_bias_sigma / comparison.refined.gyro.factor))
+    found.note("gyro_bias", f"the gyro has a bias of ({numerals(np.degrees(bias))}) °/s", bias)
+    if "gyro_bias" not in found.sensors:
+        found.estimate("gyro_bias", bias, errors)
 
 
 def _tell_accelerometer_unit(comparison: Comparison, found: Findings, changes: Changes) -> None:

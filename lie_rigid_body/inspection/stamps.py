@@ -142,7 +142,7 @@ def fresh(stream: Stream, found: Findings) -> Stream:
     readings = stream.readings
     held = np.all(readings[1:] == readings[:-1], axis=1)
     moved = np.linalg.norm(readings[HELD_REACH:] - readings[:-HELD_REACH], axis=1)
-    moving = moved > np.median(moved) if len(moved) else np.zeros(0, dtype=np.bool_)
+    moving = moved > np.quantile(moved, 0.75) / 2.0 if len(moved) else np.zeros(0, dtype=np.bool_)
     if not moving.any() or held[: len(moved)][moving].mean() <= MIN_HELD:
         return stream
     first = np.concatenate([[True], ~held])
