@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.inspection.constants import Constants, Placed, Refined, constants_of, refine
+from lie_rigid_body.inspection.constants import Constants, Delay, Placed, constants_of, refine
 from lie_rigid_body.inspection.explanations import Verdict, explanations, judged
-from lie_rigid_body.inspection.findings import Findings, Mistake
+from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
@@ -36,38 +36,58 @@ OFFSET_COSTS = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGN
 
 
 @dataclass(frozen=True, eq=False)
+class Compared:
+    """One vector in a comparison.
+
+    Attributes
+    ----------
+    sensor : str
+    placed : Placed
+        Its turn and its fitted delay.
+    delay : Delay
+    constants : Constants
+    is_told : bool
+        Whether the log tells its turn, and so its delay and offset.
+    """
+
+    sensor: str
+    placed: Placed
+    delay: Delay
+    constants: Constants
+    is_told: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
-    """What the vectors of a log tell together.
+    """Vectors of a log under the explanation that the rule chose.
 
     Attributes
     ----------
     worlds : Worlds
     verdict : Verdict
-    placed : tuple of Placed
-        Each vector with its turn and its fitted delay.
-    refined : Refined
-    constants : tuple of Constants
-        Of each vector.
+    gyro : Gyro
+        With the fitted factor.
+    log_factor_sigma : float
+        Standard error of the logarithm of the factor.
+    vectors : tuple of Compared
     taken_off : bool
         Whether a constant was taken off the accelerometer's readings.
     """
 
     worlds: Worlds
     verdict: Verdict
-    placed: tuple[Placed, ...]
-    refined: Refined
-    constants: tuple[Constants, ...]
+    gyro: Gyro
+    log_factor_sigma: float
+    vectors: tuple[Compared, ...]
     taken_off: bool
 
     @property
-    def before(self) -> float:
-        """Largest misfit of a vector without a repair."""
-        return max(plain_misfit(each.misfits) for each in self.placed)
-
-    @property
-    def after(self) -> float:
-        """Largest misfit of a vector with the repairs."""
-        return max(constants.misfit for constants in self.constants)
+    def misfits(self) -> dict[str, float]:
+        """Largest misfit of a vector before the repairs and after them."""
+        return {
+            "before": max(plain_misfit(each.placed.misfits) for each in self.vectors),
+            "after": max(each.constants.misfit for each in self.vectors),
+        }
 
 
 def plain_misfit(found: Misfits) -> float:
@@ -185,8 +205,10 @@ def _weighed(
             "or the body falls freely"
         )
         or_else = ("accelerometer_units",) if held.swing < MAX_SWING else ()
-        found.mistakes.append(Mistake("gravity_removed", "accelerometer", text, "", held.misfit, None, or_else))
+        found.name("gravity_removed", "accelerometer", text, before=held.misfit, or_else=or_else)
         return list(vectors[1:]), False
+    if held.unit is not None:
+        found.ask("gravity_removed", f"{held.offset:.0%} of gravity are constant on the accelerometer's axes")
     return list(vectors), False
 
 
@@ -196,7 +218,8 @@ def _fits(each: Misfits, worlds: Worlds, found: Findings) -> bool:
     if misfit <= MAX_MISFIT:
         return True
     sensor = each.vector.sensor
-    found.ask(f"{sensor}_axes", f"no repair makes the {sensor} constant in the world, {misfit:.0%} of it remain")
+    for code in (f"{sensor}_axes", *(["gravity_removed"] if sensor == "accelerometer" else [])):
+        found.ask(code, f"no repair makes the {sensor} constant in the world, {misfit:.0%} of it remain")
     return False
 
 
@@ -204,8 +227,10 @@ def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Verdict, taken
     best = verdict.best
     placed = [Placed(each, fit.turn, fit.delay_s) for each, fit in zip(vectors, best.fittings, strict=True)]
     refined = refine(placed, worlds, best.gyro)
-    moved = [each._replace(delay_s=delay.delay_s) for each, delay in zip(placed, refined.delays, strict=True)]
     world = worlds.of(refined.gyro)
-    return Comparison(
-        worlds, verdict, tuple(moved), refined, tuple(constants_of(each, world) for each in moved), taken_off
-    )
+    compared = []
+    for each, delay, told in zip(placed, refined.delays, verdict.turns_told, strict=True):
+        moved = each._replace(delay_s=delay.delay_s)
+        is_told = told and not verdict.fewer
+        compared.append(Compared(each.misfits.vector.sensor, moved, delay, constants_of(moved, world), is_told))
+    return Comparison(worlds, verdict, refined.gyro, refined.log_factor_sigma, tuple(compared), taken_off)

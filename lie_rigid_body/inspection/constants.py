@@ -26,6 +26,7 @@ from lie_rigid_body.inspection.rule import (
     MIN_GAIN,
     MIN_HARD_IRON,
     MIN_MISFIT,
+    MIN_UNSEEN_S,
     SAME_DELAY_S,
     SHAPE_COST,
     SIGMAS,
@@ -86,6 +87,10 @@ class Delay:
         """Delay up to which this log does not see one, s."""
         dim = UNSEEN_SHARE * max(self.level, MIN_MISFIT) / max(self.slope, 1e-9)
         return max(MIN_DELAY_S, SIGMAS * self.sigma_s, dim)
+
+    def is_like(self, other: Delay) -> bool:
+        """Whether two delays are one of the gyro, as far as the log sees."""
+        return abs(self.delay_s - other.delay_s) < max(MIN_UNSEEN_S, self.unseen_s, other.unseen_s)
 
     @property
     def is_late(self) -> bool:

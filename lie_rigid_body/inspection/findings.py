@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 HOW: Final = "turn it slowly once about each axis, then let it rest for ten seconds"
 """How to record a log that decides."""
+
+Numbers: TypeAlias = "float | tuple[float, ...]"
 
 
 @short_dataclass(frozen=True)
@@ -61,12 +65,12 @@ class Note:
     ----------
     code : str
     message : str
-    value : float, str, or sequence of float
+    value : float or tuple of float
     """
 
     code: str
     message: str
-    value: float | str | Sequence[float]
+    value: Numbers
 
 
 @short_dataclass(frozen=True)
@@ -79,8 +83,8 @@ class Estimated:
     standard_error : float or tuple of float
     """
 
-    value: float | tuple[float, ...]
-    standard_error: float | tuple[float, ...]
+    value: Numbers
+    standard_error: Numbers
 
 
 @dataclass
@@ -92,18 +96,28 @@ class Findings:
     notes: list[Note] = field(default_factory=list)
     sensors: dict[str, Estimated] = field(default_factory=dict)
 
+    def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
+        """Add a mistake; ``more`` are fields of `Mistake`."""
+        self.mistakes.append(Mistake(code, sensor, message, repair, **more))
+
     def ask(self, code: str, why: str) -> None:
         """Add what is undecided; of each code the first."""
         self.undecided.setdefault(code, Undecided(code, f"{why}: {HOW}"))
 
-    def note(self, code: str, message: str, value: float | str | Sequence[float]) -> None:
-        """Add a note."""
-        self.notes.append(Note(code, message, value))
+    def note(self, code: str, message: str, value: ArrayLike) -> None:
+        """Add a note with a number, or several."""
+        self.notes.append(Note(code, message, _numbers(value)))
 
-    def estimate(self, name: str, value: float | tuple[float, ...], error: float | tuple[float, ...] = 0.0) -> None:
-        """Add a parameter of the simulator's sensors."""
-        self.sensors[name] = Estimated(value, error)
+    def estimate(self, name: str, value: ArrayLike, error: ArrayLike = 0.0) -> None:
+        """Add a parameter of the simulator's sensors with its standard error, or several numbers with theirs."""
+        self.sensors[name] = Estimated(_numbers(value), _numbers(error))
 
     def has(self, code: str, sensor: str) -> bool:
         """Whether a mistake of a sensor was found."""
         return any(mistake.code == code and mistake.sensor == sensor for mistake in self.mistakes)
+
+
+def _numbers(value: ArrayLike) -> Numbers:
+    """Numbers of Python, in a row."""
+    array = np.asarray(value, dtype=np.float64)
+    return tuple(array.ravel().tolist()) if array.ndim else float(array)

@@ -60,7 +60,8 @@ class Weight(NamedTuple):
     def is_better_than(self, held: Weight) -> bool:
         """Whether the vector is gravity less a constant, compared with the fit that keeps offsets small."""
         is_gravity = self.unit is not None and self.swing < MAX_SWING and self.offset > MIN_TAKEN_OFF
-        return is_gravity and MIN_GAIN * self.misfit * self.size < held.misfit * held.size
+        gain = held.misfit * held.size / (self.misfit * self.size)
+        return is_gravity and gain > (1.0 if held.unit is None else MIN_GAIN)
 
 
 def weight(found: Misfits, worlds: Worlds) -> Weight:

@@ -158,10 +158,6 @@ def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
 
 def _field(stream: Stream, comparison: Comparison | None) -> float:
     """Median size of the readings of a magnetometer, less their offset where it is told."""
-    offset = np.zeros(3)
-    if comparison is not None and not comparison.verdict.fewer:
-        for i, placed in enumerate(comparison.placed):
-            constants = comparison.constants[i]
-            if placed.misfits.vector.sensor == stream.sensor and comparison.verdict.turns_told[i]:
-                offset = constants.offset
+    told = [each for each in comparison.vectors if each.sensor == stream.sensor and each.is_told] if comparison else []
+    offset = told[0].constants.offset if told else np.zeros(3)
     return float(np.median(np.linalg.norm(stream.readings - offset, axis=1)))

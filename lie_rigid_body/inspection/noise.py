@@ -76,13 +76,13 @@ def allan(readings: Array, step_s: float) -> Allan:
     longest = count / MIN_ALLAN_CYCLES
     powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(longest))
     sizes = powers.astype(np.int64)
-    variances = []
+    variances: list[float] = []
     for size in sizes:
         second = sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]
-        variances.append(np.mean(second**2) / (2.0 * size**2))
-    squared = 4.0 * sizes**2
+        variances.append(float(np.mean(second**2)) / (2.0 * size**2))
+    squared = 4.0 * sizes.astype(np.float64) ** 2
     freedom = (1.5 * (count - 1) / sizes - 2.0 * (count - 2) / count) * squared / (squared + 5.0)
-    return Allan(sizes * step_s, np.array(variances), axes * freedom)
+    return Allan(sizes.astype(np.float64) * step_s, np.array(variances), float(axes) * freedom)
 
 
 def density(found: Allan) -> Density:
@@ -166,5 +166,5 @@ def tell_noise(streams: list[Stream], found: Findings) -> None:
             found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)
         if name == "gyro":
             seconds = len(still.t_ns) * step_s
-            error = float(np.sqrt(told.white**2 / seconds + told.walk**2 * seconds / 3.0))
-            found.estimate("gyro_bias", tuple(map(float, still.readings.mean(axis=0))), (error,) * 3)
+            error = np.sqrt(told.white**2 / seconds + told.walk**2 * seconds / 3.0)
+            found.estimate("gyro_bias", still.readings.mean(axis=0), np.full(3, error))

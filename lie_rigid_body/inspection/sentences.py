@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import components, numerals
-from lie_rigid_body.inspection.comparison import Comparison
-from lie_rigid_body.inspection.constants import Constants, Delay, other_delays
+from lie_rigid_body.inspection.comparison import Compared, Comparison
+from lie_rigid_body.inspection.constants import constants_of, other_delays
 from lie_rigid_body.inspection.explanations import Repair, axes_text
-from lie_rigid_body.inspection.findings import Findings, Mistake
+from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_UNITS,
     DEGREE,
@@ -28,14 +27,12 @@ from lie_rigid_body.inspection.rule import (
     MIN_GAIN,
     MIN_HARD_IRON,
     MIN_LOG_FACTOR,
-    MIN_UNSEEN_S,
     OTHER_UNIT,
     SAME_UNIT,
     SIGMAS,
     TURNS,
     Gyro,
 )
-from lie_rigid_body.inspection.world import fit_turns
 
 _MEANINGS = {
     "gyro_axes": "the gyro's axes are not those of the other sensors",
@@ -81,26 +78,26 @@ def tell(comparison: Comparison, found: Findings, changes: Changes) -> None:
     _tell_other_turns(comparison, found)
     _tell_factor(comparison, found, changes)
     _tell_delays(comparison, found, changes)
-    for i in range(len(comparison.placed)):
-        _tell_offset(comparison, i, found, changes)
+    for each in comparison.vectors:
+        if each.sensor == "magnetometer":
+            _tell_hard_iron(each, found)
+        else:
+            _tell_constant_and_unit(comparison, each, found, changes)
     _tell_rate_bias(comparison, found)
-    _tell_accelerometer_unit(comparison, found, changes)
 
 
 def _tell_axes(comparison: Comparison, found: Findings, changes: Changes) -> None:
     verdict = comparison.verdict
     for repair in verdict.named:
-        if repair.code == "time_step":
+        if repair.code == "time_step":  # its size is fitted
             continue
         others = () if all(repair in each for each in verdict.or_else) else verdict.or_else
         also = [each for repairs in others for each in repairs if each not in verdict.named]
-        same = [each.text for each in also if each.code == repair.code]
-        meaning = _meaning(repair) + "".join(f"; or as well {text}" for text in same)
+        text = "".join(f"; or as well {each.text}" for each in also if each.code == repair.code)
         codes = tuple(dict.fromkeys(each.code for each in also if each.code != repair.code))
-        found.mistakes.append(
-            Mistake(repair.code, repair.sensor, meaning, repair.text, comparison.before, comparison.after, codes)
-        )
-        _change_axes(comparison, repair, changes)
+        meaning = _meaning(repair) + text
+        found.name(repair.code, repair.sensor, meaning, repair.text, or_else=codes, **comparison.misfits)
+        changes[repair.sensor].matrix = _matrix(comparison, repair) @ changes[repair.sensor].matrix
     for repair in verdict.undecided:
         why = "fewer repairs nearly do" if verdict.fewer else "too many explanations do as well"
         found.ask(repair.code, f"{_meaning(repair)}, perhaps: {why}")
@@ -114,199 +111,147 @@ def _meaning(repair: Repair) -> str:
     return _MEANINGS[repair.code]
 
 
-def _change_axes(comparison: Comparison, repair: Repair, changes: Changes) -> None:
-    best = comparison.verdict.best
-    change = changes[repair.sensor]
-    back = TURNS[best.frame].T
-    turns = {each.misfits.vector.sensor: TURNS[each.turn] for each in comparison.placed}
+def _matrix(comparison: Comparison, repair: Repair) -> Array:
+    """Matrix of a repair of axes or of a unit of the gyro, shape (3, 3)."""
     if repair.code == "gyro_units":
-        change.matrix = change.matrix * _base(comparison)
-    elif repair.sensor == "gyro":
-        change.matrix = best.gyro.sign * back @ change.matrix
-    else:
-        change.matrix = back @ turns[repair.sensor] @ change.matrix
+        return np.eye(3) * _unit(comparison)
+    best = comparison.verdict.best
+    turns = {"gyro": best.gyro.sign * TURNS[0], **{each.sensor: TURNS[each.placed.turn] for each in comparison.vectors}}
+    return np.asarray(TURNS[best.frame].T @ turns[repair.sensor])
 
 
-def _base(comparison: Comparison) -> float:
-    """Factor of the gyro that is a unit, and named."""
-    units = [repair for repair in comparison.verdict.named if repair.code == "gyro_units"]
-    if not units:
+def _unit(comparison: Comparison) -> float:
+    """Factor of the gyro that is a unit, and named; else 1."""
+    if not any(repair.code == "gyro_units" for repair in comparison.verdict.named):
         return 1.0
-    return DEGREE if comparison.refined.gyro.factor < 1.0 else 1.0 / DEGREE
+    return DEGREE if comparison.gyro.factor < 1.0 else 1.0 / DEGREE
 
 
 def _tell_other_turns(comparison: Comparison, found: Findings) -> None:
     """List the turns that fit as well under the same gyro, of vectors of which no axes are named."""
-    for each, fitting in zip(comparison.placed, comparison.verdict.best.fittings, strict=True):
-        sensor = each.misfits.vector.sensor
-        _, misfits = each.misfits.by_delay(comparison.verdict.best.gyro)
-        fit = np.flatnonzero(misfits.min(axis=0) <= EXCLUDED * each.misfits.least)
-        others = [axes_text(TURNS[turn]) for turn in fit if turn != fitting.turn]
-        if others and not found.has(f"{sensor}_axes", sensor):
-            found.ask(f"{sensor}_axes", f"the {sensor}'s axes may as well be {', '.join(others)}")
+    for each in comparison.vectors:
+        misfits = each.placed.misfits
+        least = misfits.by_delay(comparison.verdict.best.gyro)[1].min(axis=0)
+        fit = np.flatnonzero(least <= EXCLUDED * misfits.least)
+        others = [axes_text(TURNS[turn]) for turn in fit if turn != each.placed.turn]
+        code = f"{each.sensor}_axes"
+        if others and not found.has(code, each.sensor):
+            found.ask(code, f"the {each.sensor}'s axes may as well be {', '.join(others)}")
 
 
 def _tell_factor(comparison: Comparison, found: Findings, changes: Changes) -> None:
-    refined = comparison.refined
-    base = _base(comparison)
-    size = float(np.log(refined.gyro.factor / base))
-    sigma = refined.log_factor_sigma
     verdict = comparison.verdict
-    repairs = [repair for each in (verdict.named, *verdict.or_else) for repair in each]
-    is_unit = base == 1.0 and any(repair.code == "gyro_units" for repair in repairs)
-    told = abs(size) > max(MIN_LOG_FACTOR, SIGMAS * sigma) and not verdict.fewer and not is_unit
-    if told and _factor_gain(comparison, base) > MIN_GAIN:
-        text = f"{_MEANINGS['time_step']}: multiply it by {np.exp(size):.4g} ± {np.exp(size) * sigma:.1g}"
-        found.mistakes.append(
-            Mistake("time_step", "gyro", text, f"× {np.exp(size):.4g}", comparison.before, comparison.after)
-        )
-        changes["gyro"].matrix = changes["gyro"].matrix * np.exp(size)
+    unit = _unit(comparison)
+    factor = comparison.gyro.factor / unit
+    sigma = comparison.log_factor_sigma
+    codes = {repair.code for each in (verdict.named, *verdict.or_else) for repair in each}
+    told = not verdict.fewer and (unit != 1.0 or "gyro_units" not in codes)
+    if told and abs(np.log(factor)) > max(MIN_LOG_FACTOR, SIGMAS * sigma) and _factor_gain(comparison, unit) > MIN_GAIN:
+        text = f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}"
+        found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
+        changes["gyro"].matrix *= factor
     elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR:
         found.ask("time_step", f"the gyro's factor is only known to {sigma:.0%}")
 
 
-def _factor_gain(comparison: Comparison, base: float) -> float:
+def _factor_gain(comparison: Comparison, unit: float) -> float:
     """Ratio of the misfit without another factor than that of a unit to that with it."""
-    world = comparison.worlds.of(Gyro(comparison.refined.gyro.sign, base))
-    gains = []
-    for each, constants in zip(comparison.placed, comparison.constants, strict=True):
-        gram = each.blocks(world).windows(each.misfits.length_s).gram()[0]
-        fit = fit_turns(gram, each.misfits.vector.offset_cost)
-        gains.append(float(fit.told[each.turn]) / constants.misfit)
-    return max(gains)
+    world = comparison.worlds.of(Gyro(comparison.gyro.sign, unit))
+    return max(constants_of(each.placed, world).misfit / each.constants.misfit for each in comparison.vectors)
 
 
 def _tell_delays(comparison: Comparison, found: Findings, changes: Changes) -> None:
-    delays = {
-        each.misfits.vector.sensor: delay
-        for each, delay in zip(comparison.placed, comparison.refined.delays, strict=True)
-    }
-    recurring = _recurring(comparison, found)
-    told = dict(zip(delays, comparison.verdict.turns_told, strict=True))
+    for each in comparison.vectors:
+        _tell_recurring(comparison, each, found)
     late = [
-        sensor
-        for sensor, delay in delays.items()
-        if delay.is_late and told[sensor] and sensor not in recurring and not comparison.verdict.fewer
+        each
+        for each in comparison.vectors
+        if each.delay.is_late and each.is_told and f"{each.sensor}_late" not in found.undecided
     ]
-    if len(late) == 2 and _are_alike([delays[sensor] for sensor in late]):
-        _name_late(
-            "gyro", -float(np.mean([delay.delay_s for delay in delays.values()])), (), comparison, found, changes
-        )
+    alike = len(late) == 2 and late[0].delay.is_like(late[1].delay)
+    if alike:
+        mean = float(np.mean([each.delay.delay_s for each in late]))
+        _name_late("gyro", -mean, (), comparison, found, changes)
+    for each in comparison.vectors:
+        delay = each.delay
+        others = [other.delay for other in comparison.vectors if other is not each]
+        if each in late and not alike:
+            unseen = len(late) == 1 and all(abs(o.delay_s - delay.delay_s) < o.unseen_s for o in others)
+            or_else = ("gyro_late",) if unseen else ()
+            _name_late(each.sensor, delay.delay_s, or_else, comparison, found, changes)
+        elif each not in late and (abs(delay.delay_s) > MIN_DELAY_S or delay.unseen_s > DIM_DELAY_S):
+            found.ask(f"{each.sensor}_late", f"a delay of the {each.sensor} of {delay.unseen_s:.2g} s is not seen")
+        elif each not in late:
+            text = f"the {each.sensor} is {delay.delay_s * 1e3:.3g} ms late against the gyro"
+            found.note(f"{each.sensor}_late", text, delay.delay_s)
+
+
+def _tell_recurring(comparison: Comparison, each: Compared, found: Findings) -> None:
+    """List a delay that is another one as well, as the motion recurs."""
+    if abs(each.delay.delay_s) <= MIN_DELAY_S:
         return
-    for sensor in late:
-        others = [delay for name, delay in delays.items() if name != sensor]
-        own = delays[sensor]
-        as_well = len(late) == 1 and (not others or abs(others[0].delay_s - own.delay_s) < others[0].unseen_s)
-        _name_late(sensor, own.delay_s, ("gyro_late",) if as_well else (), comparison, found, changes)
-    for sensor, delay in delays.items():
-        if sensor in late:
-            continue
-        if abs(delay.delay_s) > MIN_DELAY_S or delay.unseen_s > DIM_DELAY_S:
-            found.ask(f"{sensor}_late", f"a delay of the {sensor} of {delay.unseen_s:.2g} s is not seen")
-        else:
-            found.note(
-                f"{sensor}_late", f"the {sensor} is {delay.delay_s * 1e3:.3g} ms late against the gyro", delay.delay_s
-            )
-
-
-def _are_alike(delays: Sequence[Delay]) -> bool:
-    """Whether two delays are one of the gyro, as far as the log sees."""
-    apart = abs(delays[0].delay_s - delays[1].delay_s)
-    return apart < max(MIN_UNSEEN_S, *(delay.unseen_s for delay in delays))
-
-
-def _recurring(comparison: Comparison, found: Findings) -> set[str]:
-    """Sensors whose delay has another value that does as well."""
-    recurring = set()
-    for each, delay in zip(comparison.placed, comparison.refined.delays, strict=True):
-        if abs(delay.delay_s) <= MIN_DELAY_S:
-            continue
-        gyro = comparison.verdict.best.gyro
-        others = other_delays(each, gyro, comparison.worlds.of(comparison.refined.gyro), delay)
-        if others:
-            sensor = each.misfits.vector.sensor
-            text = ", ".join(f"{other:.3f} s" for other in others)
-            found.ask(f"{sensor}_late", f"the motion recurs, so that {delay.delay_s:.3f} s, {text} do as well")
-            recurring.add(sensor)
-    return recurring
+    world = comparison.worlds.of(comparison.gyro)
+    others = other_delays(each.placed, comparison.verdict.best.gyro, world, each.delay)
+    if others:
+        text = ", ".join(f"{other:.3f} s" for other in (each.delay.delay_s, *others))
+        found.ask(f"{each.sensor}_late", f"the motion recurs, so that {text} do as well")
 
 
 def _name_late(
     sensor: str, delay_s: float, or_else: tuple[str, ...], comparison: Comparison, found: Findings, changes: Changes
 ) -> None:
     text = f"the {sensor} is {delay_s * 1e3:.0f} ms late against the others"
-    found.mistakes.append(
-        Mistake(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", comparison.before, comparison.after, or_else)
-    )
+    found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
     changes[sensor].delay_s = delay_s
 
 
-def _tell_offset(comparison: Comparison, i: int, found: Findings, changes: Changes) -> None:
-    placed = comparison.placed[i]
-    constants = comparison.constants[i]
-    sensor = placed.misfits.vector.sensor
-    if sensor == "accelerometer":
-        if comparison.taken_off:
-            _tell_taken_off(comparison, constants, found, changes)
-        return
+def _tell_hard_iron(each: Compared, found: Findings) -> None:
+    constants = each.constants
     share = constants.offset_share
-    told = comparison.verdict.turns_told[i] and not comparison.verdict.fewer
     found.note("field", f"the field has a size of {constants.size:.4g} in the readings' unit", constants.size)
-    if told:
-        found.estimate(
-            "magnetometer_hard_iron",
-            tuple(map(float, constants.offset)),
-            tuple(map(float, constants.offset_sigma)),
-        )
+    if each.is_told:
+        found.estimate("magnetometer_hard_iron", constants.offset, constants.offset_sigma)
     if share > max(MIN_HARD_IRON, SIGMAS * constants.offset_share_sigma) and constants.offset_gain > MIN_GAIN:
-        if told and constants.shape.offset > MIN_HARD_IRON * constants.size / placed.misfits.vector.size:
+        if each.is_told and constants.shape.offset > MIN_HARD_IRON * constants.size / each.placed.misfits.vector.size:
             text = f"hard iron of ({numerals(constants.offset)}), {share:.2f} of the field"
-            found.note("hard_iron", text, tuple(map(float, constants.offset)))
+            found.note("hard_iron", text, constants.offset)
         else:
             found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
     if constants.seen < MIN_GAIN:
         found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
 
 
-def _tell_taken_off(comparison: Comparison, constants: Constants, found: Findings, changes: Changes) -> None:
-    text = (
-        f"a constant of ({components(-constants.offset, 3)}) in the sensor's axes was taken off the accelerometer: "
-        "its mean, or its reading at rest"
-    )
-    given = ", ".join(f"{-number:+.4g}" for number in constants.offset)
-    found.mistakes.append(
-        Mistake("gravity_removed", "accelerometer", text, f"+ ({given})", comparison.before, comparison.after)
-    )
-    changes["accelerometer"].offset = constants.offset
+def _tell_constant_and_unit(comparison: Comparison, each: Compared, found: Findings, changes: Changes) -> None:
+    """Tell a constant that was taken off the accelerometer, and the unit in which its size is that of gravity."""
+    constants = each.constants
+    change = changes[each.sensor]
+    if comparison.taken_off:
+        given = numerals(-constants.offset)
+        text = f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest"
+        found.name("gravity_removed", each.sensor, text, f"+ ({given})", **comparison.misfits)
+        change.offset = constants.offset
+    size = constants.size
+    unit, gravity = min(ACCELEROMETER_UNITS.items(), key=lambda item: abs(np.log(size / item[1])))
+    away = abs(np.log(size / gravity))
+    is_sure = constants.misfit <= MAX_UNIT_MISFIT and SIGMAS * comparison.log_factor_sigma <= MAX_UNIT_LOG_ERROR
+    if away >= SAME_UNIT:
+        unit = "an unknown unit"
+        gravity = size
+    if SAME_UNIT <= away < OTHER_UNIT or (away >= OTHER_UNIT and not is_sure):
+        found.ask("accelerometer_units", f"gravity is {size:.4g} in the accelerometer's unit")
+    elif unit != "m/s²":
+        text = f"the accelerometer reads {unit}: gravity is {size:.4g}"
+        found.name("accelerometer_units", each.sensor, text, f"× {GRAVITY / gravity:.6g}")
+        change.matrix *= GRAVITY / gravity
 
 
 def _tell_rate_bias(comparison: Comparison, found: Findings) -> None:
     """Tell the bias of the gyro's readings that the vector with the least misfit shows, unless rest has told it."""
-    best = min(comparison.constants, key=lambda constants: constants.misfit)
-    bias = tuple(map(float, -best.rate_bias / comparison.refined.gyro.multiplier))
-    errors = tuple(map(float, best.rate_bias_sigma / comparison.refined.gyro.factor))
+    best = min((each.constants for each in comparison.vectors), key=lambda constants: constants.misfit)
+    bias = -best.rate_bias / comparison.gyro.multiplier
     found.note("gyro_bias", f"the gyro has a bias of ({numerals(np.degrees(bias))}) °/s", bias)
     if "gyro_bias" not in found.sensors:
-        found.estimate("gyro_bias", bias, errors)
-
-
-def _tell_accelerometer_unit(comparison: Comparison, found: Findings, changes: Changes) -> None:
-    constants = comparison.constants[0]
-    if comparison.placed[0].misfits.vector.sensor != "accelerometer":
-        return
-    size = constants.size
-    unit, gravity = min(ACCELEROMETER_UNITS.items(), key=lambda item: abs(np.log(size / item[1])))
-    away = abs(np.log(size / gravity))
-    sure = constants.misfit <= MAX_UNIT_MISFIT and SIGMAS * comparison.refined.log_factor_sigma <= MAX_UNIT_LOG_ERROR
-    if away < SAME_UNIT and unit == "m/s²":
-        return
-    if away >= SAME_UNIT and (away < OTHER_UNIT or not sure):
-        found.ask("accelerometer_units", f"gravity is {size:.4g} in the accelerometer's unit")
-        return
-    factor = GRAVITY / (gravity if away < SAME_UNIT else size)
-    text = f"the accelerometer reads {unit if away < SAME_UNIT else 'an unknown unit'}: gravity is {size:.4g}"
-    found.mistakes.append(Mistake("accelerometer_units", "accelerometer", text, f"× {factor:.6g}"))
-    changes["accelerometer"].matrix = changes["accelerometer"].matrix * factor
+        found.estimate("gyro_bias", bias, best.rate_bias_sigma / comparison.gyro.factor)
 
 
 def tell_field_unit(size: float, found: Findings, changes: Changes) -> None:
@@ -332,6 +277,6 @@ def tell_field_unit(size: float, found: Findings, changes: Changes) -> None:
         return
     name, unit = next(iter(inside.items()), ("counts", None))
     text = f"the magnetometer reads {name}: the field is {size:.4g}"
-    found.mistakes.append(Mistake("magnetometer_units", "magnetometer", text, f"× {unit:g}" if unit else ""))
+    found.name("magnetometer_units", "magnetometer", text, f"× {unit:g}" if unit else "")
     if unit:
-        changes["magnetometer"].matrix = changes["magnetometer"].matrix * unit
+        changes["magnetometer"].matrix *= unit

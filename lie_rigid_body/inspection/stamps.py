@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.evaluation.attitudes import longest_rising
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
-from lie_rigid_body.inspection.findings import Findings, Mistake
+from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
     BURST_STEP,
     CLIPPED_DROP,
@@ -88,7 +88,7 @@ def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found:
         even = _interpolated(len(t_ns), places, t_ns[places])
     else:
         even = np.linspace(*span_ns, len(t_ns)).astype(np.int64)
-    found.mistakes.append(Mistake("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps"))
+    found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
     return even
 
 
@@ -134,7 +134,7 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
         text = (
             f"{len(gaps)} gaps of up to {gaps.max() / 1e9:.3g} s in the {sensor}, in which {lost} readings are missing"
         )
-        found.mistakes.append(Mistake("gaps", sensor, text))
+        found.name("gaps", sensor, text)
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:
@@ -149,7 +149,7 @@ def fresh(stream: Stream, found: Findings) -> Stream:
     hold = len(first) / first.sum()
     text = f"a reading of the {stream.sensor} is held over {hold:.3g} stamps on average"
     if hold > MIN_HOLD:
-        found.mistakes.append(Mistake("repeated", stream.sensor, text, "the first of each"))
+        found.name("repeated", stream.sensor, text, "the first of each")
     else:
         found.note("rates", text, float(hold))
     return stream[first]
@@ -198,12 +198,12 @@ def tell_values(stream: Stream, found: Findings) -> None:
     ranges = []
     for axis, (values, step) in enumerate(zip(stream.readings.T, steps, strict=True)):
         if span.max() > 0.0 and span[axis] <= STUCK_SHARE * span.max():
-            found.mistakes.append(Mistake("stuck", name, f"{AXES[axis]} of the {name} stays at {values[0]:.4g}"))
+            found.name("stuck", name, f"{AXES[axis]} of the {name} stays at {values[0]:.4g}")
             continue
         reached = [top for sign in (1.0, -1.0) if (top := clipped_at(sign * values, step)) is not None]
         if reached:
             text = f"{AXES[axis]} of the {name} reaches its range of {max(reached):.4g} and stays there"
-            found.mistakes.append(Mistake("clipped", name, text))
+            found.name("clipped", name, text)
             ranges.extend(reached)
     if ranges:
         found.estimate(f"{name}_range", float(max(ranges)))
