@@ -33,7 +33,7 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, named
 from lie_rigid_body.foundation.errors import LieRigidBodyError
-from lie_rigid_body.inspection import Inspection, Mistake, inspect
+from lie_rigid_body.inspection import Inspection, LogMistake, inspect
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.sensors.parameters import GRADES, PERFECT
@@ -92,7 +92,7 @@ def healthy(log: Log) -> Inspection:
     return _healthy(id(log))
 
 
-Judge = Callable[[Mistake], bool]
+Judge = Callable[[LogMistake], bool]
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def late(log: Log, delay_s: float) -> Case:
     own = [note.value for note in healthy(log).notes if note.code == "magnetometer_late"]
     expected = delay_s + (own[0] if own else 0.0)
 
-    def is_right(mistake: Mistake) -> bool:
+    def is_right(mistake: LogMistake) -> bool:
         found = -float(mistake.repair.split()[0])
         return abs(found - expected) <= max(DELAY_S, 0.1 * delay_s)
 

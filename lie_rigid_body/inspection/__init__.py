@@ -12,7 +12,7 @@ A vector that is constant in the world obeys dv/dt = −ω × v in the body, so 
 - `inspection`: the whole, and the run with its mistakes undone.
 """
 
-from lie_rigid_body.inspection.findings import Estimated, Mistake, Note, Undecided
+from lie_rigid_body.inspection.findings import Estimated, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.inspection import Inspection, inspect
 
-__all__ = ["Estimated", "Inspection", "Mistake", "Note", "Undecided", "inspect"]
+__all__ = ["Estimated", "Inspection", "LogMistake", "LogNote", "Undecided", "inspect"]

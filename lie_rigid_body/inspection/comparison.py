@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.inspection.constants import Constants, Delay, Placed, constants_of, refine
-from lie_rigid_body.inspection.explanations import Verdict, explanations, judged
+from lie_rigid_body.inspection.explanations import Choice, explanations, judged
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
@@ -58,13 +58,13 @@ class Compared:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class SensorComparison:
     """Vectors of a log under the explanation that the rule chose.
 
     Attributes
     ----------
     worlds : Worlds
-    verdict : Verdict
+    verdict : Choice
     gyro : Gyro
         With the fitted factor.
     log_factor_sigma : float
@@ -75,7 +75,7 @@ class Comparison:
     """
 
     worlds: Worlds
-    verdict: Verdict
+    verdict: Choice
     gyro: Gyro
     log_factor_sigma: float
     vectors: tuple[Compared, ...]
@@ -116,7 +116,7 @@ def _is_too_slow(streams: Sequence[Stream], rate: Array, factor: float) -> bool:
     return bool(np.degrees(fast * step_s) > MAX_ROTATION_DEG)
 
 
-def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> Comparison | None:
+def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorComparison | None:
     """Search, choose and refine an explanation of all sensors; what cannot be compared is told.
 
     Parameters
@@ -223,7 +223,7 @@ def _fits(each: Misfits, worlds: Worlds, found: Findings) -> bool:
     return False
 
 
-def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Verdict, taken_off: bool) -> Comparison:
+def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Choice, taken_off: bool) -> SensorComparison:
     best = verdict.best
     placed = [Placed(each, fit.turn, fit.delay_s) for each, fit in zip(vectors, best.fittings, strict=True)]
     refined = refine(placed, worlds, best.gyro)
@@ -233,4 +233,4 @@ def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Verdict, taken
         moved = each._replace(delay_s=delay.delay_s)
         is_told = told and not verdict.fewer
         compared.append(Compared(each.misfits.vector.sensor, moved, delay, constants_of(moved, world), is_told))
-    return Comparison(worlds, verdict, refined.gyro, refined.log_factor_sigma, tuple(compared), taken_off)
+    return SensorComparison(worlds, verdict, refined.gyro, refined.log_factor_sigma, tuple(compared), taken_off)

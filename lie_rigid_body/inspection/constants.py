@@ -1,7 +1,7 @@
 """Constants of an explanation with their standard errors: the gyro's factor, delays, rate bias, hard and soft iron.
 
-Standard errors come from the scatter between successive chunks of the log: H is the curvature of the squared misfit, g
-the slope of each chunk, and σ = √Σ(g − ḡ)² / H.
+Standard errors come from the scatter between successive chunks of the log. With the curvature H of the squared misfit
+and the slope g of each chunk, σ = √Σ(g − ḡ)² / H.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Explanations of all vectors at once by few repairs, and the rule that chooses among them.
 
 A common rotation of all sensors is not seen. With a gyro's sign s and turns P of the vectors, each C of 1 and these P
-is as good a frame: the gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
+is as good a frame. The gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from lie_rigid_body.inspection.rule import (
 from lie_rigid_body.inspection.search import Misfits
 
 
-class Repair(NamedTuple):
+class SensorRepair(NamedTuple):
     """A repair of one sensor.
 
     Attributes
@@ -67,16 +67,16 @@ class Fitting(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Explanation:
+class SensorExplanation:
     """A hypothesis about all sensors.
 
     Attributes
     ----------
     ratio : float
         Largest ratio of its vectors.
-    repairs : tuple of Repair
+    repairs : tuple of SensorRepair
         Without delays, which are fitted.
-    late : tuple of Repair
+    late : tuple of SensorRepair
         Delays that the fit needs.
     gyro : Gyro
     frame : int
@@ -86,8 +86,8 @@ class Explanation:
     """
 
     ratio: float
-    repairs: tuple[Repair, ...]
-    late: tuple[Repair, ...]
+    repairs: tuple[SensorRepair, ...]
+    late: tuple[SensorRepair, ...]
     gyro: Gyro
     frame: int
     fittings: tuple[Fitting, ...]
@@ -104,18 +104,18 @@ class Explanation:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Choice:
     """What the rule chooses.
 
     Attributes
     ----------
-    best : Explanation
+    best : SensorExplanation
         Of the fewest repairs the first: without a change of the gyro, if there is one.
-    named : tuple of Repair
+    named : tuple of SensorRepair
         Repairs of the best explanation that are named.
-    or_else : tuple of tuple of Repair
+    or_else : tuple of tuple of SensorRepair
         Repairs of other explanations that do as well.
-    undecided : tuple of Repair
+    undecided : tuple of SensorRepair
         Repairs between which the log does not decide.
     turns_told : tuple of bool
         Of each vector: whether its turn is the same in all explanations.
@@ -123,10 +123,10 @@ class Verdict:
         Whether an explanation of fewer repairs is not excluded.
     """
 
-    best: Explanation
-    named: tuple[Repair, ...]
-    or_else: tuple[tuple[Repair, ...], ...]
-    undecided: tuple[Repair, ...]
+    best: SensorExplanation
+    named: tuple[SensorRepair, ...]
+    or_else: tuple[tuple[SensorRepair, ...], ...]
+    undecided: tuple[SensorRepair, ...]
     turns_told: tuple[bool, ...]
     fewer: bool
 
@@ -136,17 +136,17 @@ def axes_text(matrix: Array) -> str:
     return named(matrix).replace(",", "")
 
 
-def factor_repair(factor: float) -> tuple[Repair, ...]:
+def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     """The repair that a factor of the gyro is: a unit, another factor, or none."""
     size = np.log(factor)
     if abs(size) < MIN_LOG_FACTOR:
         return ()
     if abs(abs(size) + np.log(DEGREE)) < MIN_LOG_FACTOR:
-        return (Repair("gyro_units", "gyro", "× π/180" if size < 0.0 else "× 180/π"),)
-    return (Repair("time_step", "gyro"),)
+        return (SensorRepair("gyro_units", "gyro", "× π/180" if size < 0.0 else "× 180/π"),)
+    return (SensorRepair("time_step", "gyro"),)
 
 
-def axes_repairs(names: Sequence[str], sign: int, frame: int, turns: Sequence[int]) -> tuple[Repair, ...]:
+def axes_repairs(names: Sequence[str], sign: int, frame: int, turns: Sequence[int]) -> tuple[SensorRepair, ...]:
     """Repairs of axes, with one turn as the frame of all.
 
     Parameters
@@ -162,18 +162,18 @@ def axes_repairs(names: Sequence[str], sign: int, frame: int, turns: Sequence[in
     back = TURNS[frame].T
     matrices = {"gyro": sign * back, **{name: back @ TURNS[turn] for name, turn in zip(names, turns, strict=True)}}
     return tuple(
-        Repair(f"{name}_axes", name, axes_text(matrix))
+        SensorRepair(f"{name}_axes", name, axes_text(matrix))
         for name, matrix in matrices.items()
         if not np.array_equal(matrix, np.eye(3))
     )
 
 
-def _late_repairs(names: Sequence[str], fittings: Sequence[Fitting]) -> tuple[Repair, ...]:
+def _late_repairs(names: Sequence[str], fittings: Sequence[Fitting]) -> tuple[SensorRepair, ...]:
     """Delays that are repairs: two alike are one, of the gyro."""
     late = [(name, each.delay_s) for name, each in zip(names, fittings, strict=True) if each.is_late]
     if len(late) == 2 and abs(late[0][1] - late[1][1]) < SAME_DELAY_S:
-        return (Repair("gyro_late", "gyro"),)
-    return tuple(Repair(f"{name}_late", name) for name, _ in late)
+        return (SensorRepair("gyro_late", "gyro"),)
+    return tuple(SensorRepair(f"{name}_late", name) for name, _ in late)
 
 
 def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
@@ -194,26 +194,18 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     return fittings
 
 
-def _cost(fitting: Fitting, frame: int) -> int:
-    """Number of repairs of a vector in a frame; a delay may be shared with another vector."""
-    return int(fitting.turn != frame)
-
-
-def _combinations(
-    options: Sequence[Sequence[Fitting]], base: int, most: int
-) -> Iterator[tuple[int, tuple[Fitting, ...]]]:
-    """Frames, each that of a sensor, and fittings of all vectors with at most so many repairs besides delays."""
-    turns = {fitting.turn for each in options for fitting in each}
-    for frame in sorted({0, *turns}):
-        left = most - base - (frame != 0)
-        chosen = [[fitting for fitting in each if _cost(fitting, frame) <= left] for each in options]
-        for fittings in product(*chosen):
-            in_frame = frame == 0 or any(fitting.turn == frame for fitting in fittings)
-            if in_frame and sum(_cost(fitting, frame) for fitting in fittings) <= left:
+def _combinations(options: Sequence[Sequence[Fitting]], most: int) -> Iterator[tuple[int, tuple[Fitting, ...]]]:
+    """Frames, each that of a sensor, and fittings of all vectors with at most so many repairs of axes."""
+    for frame in sorted({0, *(fitting.turn for each in options for fitting in each)}):
+        left = most - (frame != 0)
+        near = [[fitting for fitting in each if fitting.turn == frame or left > 0] for each in options]
+        for fittings in product(*near):
+            turned = sum(fitting.turn != frame for fitting in fittings)
+            if turned <= left and (frame == 0 or turned < len(fittings)):
                 yield frame, fittings
 
 
-def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Explanation]:
+def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[SensorExplanation]:
     """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first.
 
     More repairs of axes and factors are only looked for while fewer have none that fits.
@@ -221,14 +213,14 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Explan
     names = [each.vector.sensor for each in found]
     options = {gyro: [_fittings(each, gyro) for each in found] for gyro in gyros}
     for most in range(len(found) + 3):
-        every: dict[tuple[tuple[Repair, ...], tuple[Repair, ...]], Explanation] = {}
+        every: dict[tuple[tuple[SensorRepair, ...], tuple[SensorRepair, ...]], SensorExplanation] = {}
         for gyro in gyros:
             factor = factor_repair(gyro.factor)
-            for frame, fittings in _combinations(options[gyro], len(factor), most):
+            for frame, fittings in _combinations(options[gyro], most - len(factor)):
                 axes = axes_repairs(names, gyro.sign, frame, [fitting.turn for fitting in fittings])
                 late = _late_repairs(names, fittings)
                 ratio = max(fitting.ratio for fitting in fittings)
-                new = Explanation(ratio, (*factor, *axes), late, gyro, frame, fittings)
+                new = SensorExplanation(ratio, (*factor, *axes), late, gyro, frame, fittings)
                 key = new.repairs, new.late
                 if new.count <= most and (key not in every or ratio < every[key].ratio):
                     every[key] = new
@@ -237,12 +229,12 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Explan
     return []
 
 
-def judged(every: Sequence[Explanation]) -> Verdict:
+def judged(every: Sequence[SensorExplanation]) -> Choice:
     """Apply the rule to the explanations that are not excluded.
 
     Parameters
     ----------
-    every : sequence of Explanation
+    every : sequence of SensorExplanation
         As `explanations` returns them, one at least.
     """
     fit = [each for each in every if each.ratio <= TOLD_APART]
@@ -258,7 +250,7 @@ def judged(every: Sequence[Explanation]) -> Verdict:
     counts = [len({each.fittings[i].turn for each in among}) for i in range(len(best.fittings))]
     named_ones = () if fewer else best.repairs if is_few else tuple(shared)
     open_ones = [*fewest, *(each.repairs for each in fewer)] if fewer else [] if is_few else fewest
-    return Verdict(
+    return Choice(
         best,
         tuple(named_ones),
         tuple(repairs for repairs in fewest if repairs != best.repairs) if is_few and not fewer else (),

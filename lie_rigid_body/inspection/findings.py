@@ -17,7 +17,7 @@ Numbers: TypeAlias = "float | tuple[float, ...]"
 
 
 @short_dataclass(frozen=True)
-class Mistake:
+class LogMistake:
     """A mistake in the readings, named after the repair that undoes it.
 
     Attributes
@@ -58,7 +58,7 @@ class Undecided:
 
 
 @short_dataclass(frozen=True)
-class Note:
+class LogNote:
     """Something about the readings that is no mistake.
 
     Attributes
@@ -91,14 +91,14 @@ class Estimated:
 class Findings:
     """What was found up to now."""
 
-    mistakes: list[Mistake] = field(default_factory=list)
+    mistakes: list[LogMistake] = field(default_factory=list)
     undecided: dict[str, Undecided] = field(default_factory=dict)
-    notes: list[Note] = field(default_factory=list)
+    notes: list[LogNote] = field(default_factory=list)
     sensors: dict[str, Estimated] = field(default_factory=dict)
 
     def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
-        """Add a mistake; ``more`` are fields of `Mistake`."""
-        self.mistakes.append(Mistake(code, sensor, message, repair, **more))
+        """Add a mistake; ``more`` are fields of `LogMistake`."""
+        self.mistakes.append(LogMistake(code, sensor, message, repair, **more))
 
     def ask(self, code: str, why: str) -> None:
         """Add what is undecided; of each code the first."""
@@ -106,7 +106,7 @@ class Findings:
 
     def note(self, code: str, message: str, value: ArrayLike) -> None:
         """Add a note with a number, or several."""
-        self.notes.append(Note(code, message, _numbers(value)))
+        self.notes.append(LogNote(code, message, _numbers(value)))
 
     def estimate(self, name: str, value: ArrayLike, error: ArrayLike = 0.0) -> None:
         """Add a parameter of the simulator's sensors with its standard error, or several numbers with theirs."""

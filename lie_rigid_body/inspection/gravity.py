@@ -75,7 +75,9 @@ def weight(found: Misfits, worlds: Worlds) -> Weight:
     means = blocks.windows(length_s).vectors(turn, offset)
     size = rms(np.linalg.norm(means, axis=1))
     swing = rms(np.linalg.norm(np.diff(means[::2], axis=0), axis=1))
-    return Weight(size * vector.size, swing / size, float(np.linalg.norm(offset)) / size, float(fit.told[turn]) / size)
+    return Weight(
+        size * vector.size, swing / size, float(np.linalg.norm(offset)) / size, float(fit.misfit[turn]) / size
+    )
 
 
 def _nearest(values: Sequence[float], wanted: float) -> float:

@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.inspection.comparison import Comparison, compare
-from lie_rigid_body.inspection.findings import Estimated, Findings, Mistake, Note, Undecided
+from lie_rigid_body.inspection.comparison import SensorComparison, compare
+from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
 from lie_rigid_body.inspection.sentences import Change, Changes, tell, tell_field_unit
 from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
@@ -27,19 +27,19 @@ class Inspection:
 
     Attributes
     ----------
-    mistakes : tuple of Mistake
+    mistakes : tuple of LogMistake
     undecided : tuple of Undecided
         Codes between which and none the log does not decide.
-    notes : tuple of Note
+    notes : tuple of LogNote
     sensors : mapping of str to Estimated
         Parameters of the simulator's sensors with which they are like these.
     run : Run
         The run that was inspected.
     """
 
-    mistakes: tuple[Mistake, ...]
+    mistakes: tuple[LogMistake, ...]
     undecided: tuple[Undecided, ...]
-    notes: tuple[Note, ...]
+    notes: tuple[LogNote, ...]
     sensors: Mapping[str, Estimated]
     run: Run
     _stamps: Mapping[str, Integers]
@@ -156,7 +156,7 @@ def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     return {key: checked_stamps(key, t_ns, widest, found) for key, t_ns in given.items()}
 
 
-def _field(stream: Stream, comparison: Comparison | None) -> float:
+def _field(stream: Stream, comparison: SensorComparison | None) -> float:
     """Median size of the readings of a magnetometer, less their offset where it is told."""
     told = [each for each in comparison.vectors if each.sensor == stream.sensor and each.is_told] if comparison else []
     offset = told[0].constants.offset if told else np.zeros(3)

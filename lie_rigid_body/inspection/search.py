@@ -70,7 +70,7 @@ class Misfits:
             }
 
     def screen(self) -> None:
-        """Note how well a usual hypothesis fits, in windows of each length: the median of the first ones."""
+        """Store how well a usual hypothesis fits, in windows of each length: the median of the first ones."""
         first = [self._found[gyro, 0.0] for gyro in GYROS]
         self._usual = {length: float(np.median([found[length] for found in first])) for length in first[0]}
 

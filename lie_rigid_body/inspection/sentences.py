@@ -8,9 +8,9 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import components, numerals
-from lie_rigid_body.inspection.comparison import Compared, Comparison
+from lie_rigid_body.inspection.comparison import Compared, SensorComparison
 from lie_rigid_body.inspection.constants import constants_of, other_delays
-from lie_rigid_body.inspection.explanations import Repair, axes_text
+from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_UNITS,
@@ -72,7 +72,7 @@ Changes = dict[str, Change]
 """Changes by their sensors."""
 
 
-def tell(comparison: Comparison, found: Findings, changes: Changes) -> None:
+def tell(comparison: SensorComparison, found: Findings, changes: Changes) -> None:
     """Tell all that a comparison shows."""
     _tell_axes(comparison, found, changes)
     _tell_other_turns(comparison, found)
@@ -86,7 +86,7 @@ def tell(comparison: Comparison, found: Findings, changes: Changes) -> None:
     _tell_rate_bias(comparison, found)
 
 
-def _tell_axes(comparison: Comparison, found: Findings, changes: Changes) -> None:
+def _tell_axes(comparison: SensorComparison, found: Findings, changes: Changes) -> None:
     verdict = comparison.verdict
     for repair in verdict.named:
         if repair.code == "time_step":  # its size is fitted
@@ -103,7 +103,7 @@ def _tell_axes(comparison: Comparison, found: Findings, changes: Changes) -> Non
         found.ask(repair.code, f"{_meaning(repair)}, perhaps: {why}")
 
 
-def _meaning(repair: Repair) -> str:
+def _meaning(repair: SensorRepair) -> str:
     if repair.text == "-x -y -z":
         return _LEFT_HANDED
     if repair.text == "× 180/π":
@@ -111,7 +111,7 @@ def _meaning(repair: Repair) -> str:
     return _MEANINGS[repair.code]
 
 
-def _matrix(comparison: Comparison, repair: Repair) -> Array:
+def _matrix(comparison: SensorComparison, repair: SensorRepair) -> Array:
     """Matrix of a repair of axes or of a unit of the gyro, shape (3, 3)."""
     if repair.code == "gyro_units":
         return np.eye(3) * _unit(comparison)
@@ -120,14 +120,14 @@ def _matrix(comparison: Comparison, repair: Repair) -> Array:
     return np.asarray(TURNS[best.frame].T @ turns[repair.sensor])
 
 
-def _unit(comparison: Comparison) -> float:
+def _unit(comparison: SensorComparison) -> float:
     """Factor of the gyro that is a unit, and named; else 1."""
     if not any(repair.code == "gyro_units" for repair in comparison.verdict.named):
         return 1.0
     return DEGREE if comparison.gyro.factor < 1.0 else 1.0 / DEGREE
 
 
-def _tell_other_turns(comparison: Comparison, found: Findings) -> None:
+def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
     """List the turns that fit as well under the same gyro, of vectors of which no axes are named."""
     for each in comparison.vectors:
         misfits = each.placed.misfits
@@ -139,7 +139,7 @@ def _tell_other_turns(comparison: Comparison, found: Findings) -> None:
             found.ask(code, f"the {each.sensor}'s axes may as well be {', '.join(others)}")
 
 
-def _tell_factor(comparison: Comparison, found: Findings, changes: Changes) -> None:
+def _tell_factor(comparison: SensorComparison, found: Findings, changes: Changes) -> None:
     verdict = comparison.verdict
     unit = _unit(comparison)
     factor = comparison.gyro.factor / unit
@@ -154,13 +154,13 @@ def _tell_factor(comparison: Comparison, found: Findings, changes: Changes) -> N
         found.ask("time_step", f"the gyro's factor is only known to {sigma:.0%}")
 
 
-def _factor_gain(comparison: Comparison, unit: float) -> float:
+def _factor_gain(comparison: SensorComparison, unit: float) -> float:
     """Ratio of the misfit without another factor than that of a unit to that with it."""
     world = comparison.worlds.of(Gyro(comparison.gyro.sign, unit))
     return max(constants_of(each.placed, world).misfit / each.constants.misfit for each in comparison.vectors)
 
 
-def _tell_delays(comparison: Comparison, found: Findings, changes: Changes) -> None:
+def _tell_delays(comparison: SensorComparison, found: Findings, changes: Changes) -> None:
     for each in comparison.vectors:
         _tell_recurring(comparison, each, found)
     late = [
@@ -186,7 +186,7 @@ def _tell_delays(comparison: Comparison, found: Findings, changes: Changes) -> N
             found.note(f"{each.sensor}_late", text, delay.delay_s)
 
 
-def _tell_recurring(comparison: Comparison, each: Compared, found: Findings) -> None:
+def _tell_recurring(comparison: SensorComparison, each: Compared, found: Findings) -> None:
     """List a delay that is another one as well, as the motion recurs."""
     if abs(each.delay.delay_s) <= MIN_DELAY_S:
         return
@@ -198,7 +198,12 @@ def _tell_recurring(comparison: Comparison, each: Compared, found: Findings) -> 
 
 
 def _name_late(
-    sensor: str, delay_s: float, or_else: tuple[str, ...], comparison: Comparison, found: Findings, changes: Changes
+    sensor: str,
+    delay_s: float,
+    or_else: tuple[str, ...],
+    comparison: SensorComparison,
+    found: Findings,
+    changes: Changes,
 ) -> None:
     text = f"the {sensor} is {delay_s * 1e3:.0f} ms late against the others"
     found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
@@ -221,7 +226,7 @@ def _tell_hard_iron(each: Compared, found: Findings) -> None:
         found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
 
 
-def _tell_constant_and_unit(comparison: Comparison, each: Compared, found: Findings, changes: Changes) -> None:
+def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found: Findings, changes: Changes) -> None:
     """Tell a constant that was taken off the accelerometer, and the unit in which its size is that of gravity."""
     constants = each.constants
     change = changes[each.sensor]
@@ -245,7 +250,7 @@ def _tell_constant_and_unit(comparison: Comparison, each: Compared, found: Findi
         change.matrix *= GRAVITY / gravity
 
 
-def _tell_rate_bias(comparison: Comparison, found: Findings) -> None:
+def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
     """Tell the bias of the gyro's readings that the vector with the least misfit shows, unless rest has told it."""
     best = min((each.constants for each in comparison.vectors), key=lambda constants: constants.misfit)
     bias = -best.rate_bias / comparison.gyro.multiplier

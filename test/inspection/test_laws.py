@@ -87,7 +87,7 @@ def test_the_allan_variance_is_that_of_allantools() -> None:
 
 
 def test_densities_are_those_put_in_within_their_standard_errors() -> None:
-    """At most a tenth of sixty logs is off by more than two standard errors: a twentieth of a normal distribution is."""
+    """At most a tenth of sixty logs is off by more than two standard errors; a twentieth would be normal."""
     white, walk = 0.02, 0.004
     off = []
     for _ in range(60):
