@@ -20,6 +20,7 @@ from lie_rigid_body.inspection.rule import (
     DELAY_STEPS_S,
     EXCLUDED,
     FREE_OFFSET_COST,
+    INDEPENDENT_STEPS,
     LOG_FACTOR_STEPS,
     MAX_NEWTON_STEPS,
     MIN_DELAY_S,
@@ -303,11 +304,17 @@ def constants_of(placed: Placed, world: World) -> Constants:
 
 
 def _standard_errors(grams: Array, column: Array, changes: Array, costs: Array) -> Array:
-    """Standard errors of fitted constants by the scatter of the slopes of the chunks, shape (C,)."""
+    """Standard errors of fitted constants, shape (C,).
+
+    To the scatter of the slopes of the chunks comes the misfit itself, which scale and mounting of the gyro make alike
+    in all chunks. It counts as that of `INDEPENDENT_STEPS` steps.
+    """
+    gram = grams.sum(axis=0)
     slopes = grams @ column @ changes
-    normal = changes.T @ grams.sum(axis=0) @ changes + np.diag(costs)
-    moved = np.linalg.solve(normal, (slopes - slopes.mean(axis=0)).T)
-    return np.linalg.norm(moved, axis=1)
+    inverse = np.linalg.inv(changes.T @ gram @ changes + np.diag(costs))
+    moved = inverse @ (slopes - slopes.mean(axis=0)).T
+    squared = max(float(column @ gram @ column), MIN_MISFIT**2)
+    return np.asarray(np.sqrt(np.sum(moved**2, axis=1) + np.diag(inverse) * squared / INDEPENDENT_STEPS))
 
 
 def _dimmest(gram: Array, turn: int) -> tuple[float, Array]:

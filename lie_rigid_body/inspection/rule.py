@@ -91,7 +91,7 @@ DELAYS_S: Final = (*NO_DELAYS_S, *(sign * 0.04 * k for k in range(1, 9) for sign
 HOPELESS: Final = 6.0
 """Factor by which a gyro stands out less than the best one, and is not scanned for delays."""
 REFINED_LOG_FACTOR: Final = 0.02
-"""Change of the logarithm of a factor, fitted to one vector, from which it is a hypothesis of its own: a factor that is
+"""Change of the logarithm of a factor, fitted to one vector, from which it is a hypothesis of its own. A factor that is
 10 % off the grid does not fit fast rotations."""
 MAX_LOG_FACTOR_ERROR: Final = 0.05
 """Standard error of that logarithm up to which it is."""
@@ -111,8 +111,13 @@ MIN_UNSEEN_S: Final = 0.03
 """Difference of two delays up to which they are one of the gyro, s, if the log sees each as sharply."""
 DIM_DELAY_S: Final = 0.05
 """Delay up to which one must be seen, s: where it is not, the log does not decide."""
+INDEPENDENT_STEPS: Final = 40.0
+"""Number of steps as which a misfit counts that is alike in a whole log. In simulated logs of MEMS and tactical sensors
+errors of hard iron were 0.12 on average, and 0.28 at most, of those that one step allows."""
 SHAPE_COST: Final = 0.01**2
 """Squared misfit that an element of soft iron of 1 costs."""
+MAX_SHAPE_ERROR: Final = 0.02
+"""Largest standard error of an element of soft iron with which it is told."""
 FREE_OFFSET_COST: Final = 1e6
 """Squared misfit of an offset that is held at 0."""
 

@@ -21,6 +21,7 @@ from lie_rigid_body.inspection.rule import (
     FIELDS_T,
     GRAVITY,
     MAGNETOMETER_UNITS,
+    MAX_SHAPE_ERROR,
     MAX_UNIT_LOG_ERROR,
     MAX_UNIT_MISFIT,
     MIN_DELAY_S,
@@ -214,10 +215,15 @@ def _tell_hard_iron(each: Compared, found: Findings) -> None:
     constants = each.constants
     share = constants.offset_share
     found.note("field", f"the field has a size of {constants.size:.4g} in the readings' unit", constants.size)
+    shape = constants.shape
     if each.is_told:
         found.estimate("magnetometer_hard_iron", constants.offset, constants.offset_sigma)
+    if each.is_told and constants.misfit > MIN_GAIN * shape.misfit and np.all(shape.matrix_sigma < MAX_SHAPE_ERROR):
+        soft_iron = np.linalg.inv(shape.matrix)
+        found.note("soft_iron", f"soft iron, or unequal axes, of ({numerals(soft_iron.ravel())})", soft_iron)
+        found.estimate("magnetometer_soft_iron", soft_iron, shape.matrix_sigma)
     if share > max(MIN_HARD_IRON, SIGMAS * constants.offset_share_sigma) and constants.offset_gain > MIN_GAIN:
-        if each.is_told and constants.shape.offset > MIN_HARD_IRON * constants.size / each.placed.misfits.vector.size:
+        if each.is_told and shape.offset > MIN_HARD_IRON * constants.size / each.placed.misfits.vector.size:
             text = f"hard iron of ({numerals(constants.offset)}), {share:.2f} of the field"
             found.note("hard_iron", text, constants.offset)
         else:
