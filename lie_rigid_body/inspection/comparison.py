@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.inspection.constants import Constants, Delay, Placed, constants_of, refine
-from lie_rigid_body.inspection.explanations import Choice, explanations, judged
+from lie_rigid_body.inspection.explanations import Judgement, explanations, judged
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
@@ -64,7 +64,7 @@ class SensorComparison:
     Attributes
     ----------
     worlds : Worlds
-    verdict : Choice
+    verdict : Judgement
     gyro : Gyro
         With the fitted factor.
     log_factor_sigma : float
@@ -75,7 +75,7 @@ class SensorComparison:
     """
 
     worlds: Worlds
-    verdict: Choice
+    verdict: Judgement
     gyro: Gyro
     log_factor_sigma: float
     vectors: tuple[Compared, ...]
@@ -136,34 +136,36 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
         Misfits(Vector.of_readings(stream.sensor, *values, OFFSET_COSTS[stream.sensor]), worlds)
         for stream, values in zip(streams[1:], readings, strict=True)
     ]
-    short = [each for each in vectors if not _is_long(each.vector, t_s)]
-    for each in short:
-        found.ask(f"{each.vector.sensor}_axes", f"the log has less than {MIN_SPAN_S:g} s of this sensor and the gyro")
-    vectors = [each for each in vectors if each not in short]
+    vectors = [each for each in vectors if _is_long(each, t_s, found)]
     if not vectors:
         return None
     gyros = _search_all(vectors, worlds)
     clearest = max((each.best()[0] for each in vectors), key=lambda gyro: max(each.contrast(gyro) for each in vectors))
     if _is_too_slow(streams, rate, clearest.factor):
-        for each in vectors:
-            found.ask(
-                f"{each.vector.sensor}_axes", "the log is too slow for its motion: record it at a higher rate, or"
-            )
+        _untold(vectors, "the log is too slow for its motion: record it at a higher rate, or", found)
         return None
     vectors, taken_off = _weighed(vectors, worlds, gyros[len(GYROS) :], found)
     vectors = [each for each in vectors if _fits(each, worlds, found)]
     every = explanations(vectors, gyros) if vectors else []
     if not every:
-        if vectors:
-            found.ask("gyro_axes", "no one gyro explains all other sensors")
+        _untold(vectors, "no one gyro explains all other sensors", found)
         return None
     return _refined(vectors, worlds, judged(every), taken_off)
 
 
-def _is_long(vector: Vector, t_s: Array) -> bool:
-    if len(vector.t_s) < 2 or len(t_s) < 2:
-        return False
-    common = min(t_s[-1], vector.t_s[-1]) - max(t_s[0], vector.t_s[0])
+def _untold(vectors: Sequence[Misfits], why: str, found: Findings) -> None:
+    """List all that a model would tell as undecided."""
+    axes = [f"{each.vector.sensor}_axes" for each in vectors]
+    for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
+        found.ask(code, why)
+
+
+def _is_long(each: Misfits, t_s: Array, found: Findings) -> bool:
+    """Whether a vector and the gyro have enough time in common; that they have not is told."""
+    times = [times for times in (t_s, each.vector.t_s) if len(times) > 1]
+    common = min(times[-1] for times in times) - max(times[0] for times in times) if len(times) == 2 else 0.0
+    if common < MIN_SPAN_S:
+        found.ask(f"{each.vector.sensor}_axes", f"the log has less than {MIN_SPAN_S:g} s of this sensor and the gyro")
     return bool(common >= MIN_SPAN_S)
 
 
@@ -223,7 +225,7 @@ def _fits(each: Misfits, worlds: Worlds, found: Findings) -> bool:
     return False
 
 
-def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Choice, taken_off: bool) -> SensorComparison:
+def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Judgement, taken_off: bool) -> SensorComparison:
     best = verdict.best
     placed = [Placed(each, fit.turn, fit.delay_s) for each, fit in zip(vectors, best.fittings, strict=True)]
     refined = refine(placed, worlds, best.gyro)

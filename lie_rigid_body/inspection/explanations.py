@@ -104,7 +104,7 @@ class SensorExplanation:
 
 
 @dataclass(frozen=True)
-class Choice:
+class Judgement:
     """What the rule chooses.
 
     Attributes
@@ -229,7 +229,7 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Sensor
     return []
 
 
-def judged(every: Sequence[SensorExplanation]) -> Choice:
+def judged(every: Sequence[SensorExplanation]) -> Judgement:
     """Apply the rule to the explanations that are not excluded.
 
     Parameters
@@ -250,7 +250,7 @@ def judged(every: Sequence[SensorExplanation]) -> Choice:
     counts = [len({each.fittings[i].turn for each in among}) for i in range(len(best.fittings))]
     named_ones = () if fewer else best.repairs if is_few else tuple(shared)
     open_ones = [*fewest, *(each.repairs for each in fewer)] if fewer else [] if is_few else fewest
-    return Choice(
+    return Judgement(
         best,
         tuple(named_ones),
         tuple(repairs for repairs in fewest if repairs != best.repairs) if is_few and not fewer else (),

@@ -244,12 +244,14 @@ def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found:
     size = constants.size
     unit, gravity = min(ACCELEROMETER_UNITS.items(), key=lambda item: abs(np.log(size / item[1])))
     away = abs(np.log(size / gravity))
-    is_sure = constants.misfit <= MAX_UNIT_MISFIT and SIGMAS * comparison.log_factor_sigma <= MAX_UNIT_LOG_ERROR
+    is_clear = constants.misfit <= MAX_UNIT_MISFIT and constants.seen >= MIN_GAIN
+    is_sure = is_clear and SIGMAS * comparison.log_factor_sigma <= MAX_UNIT_LOG_ERROR
     if away >= SAME_UNIT:
         unit = "an unknown unit"
         gravity = size
     if SAME_UNIT <= away < OTHER_UNIT or (away >= OTHER_UNIT and not is_sure):
-        found.ask("accelerometer_units", f"gravity is {size:.4g} in the accelerometer's unit")
+        for code in ("accelerometer_units", "gravity_removed"):
+            found.ask(code, f"{size:.4g} of the accelerometer's readings is constant in the world")
     elif unit != "m/s²":
         text = f"the accelerometer reads {unit}: gravity is {size:.4g}"
         found.name("accelerometer_units", each.sensor, text, f"× {GRAVITY / gravity:.6g}")

@@ -22,6 +22,7 @@ from lie_rigid_body.inspection.rule import (
     MAX_REPEATED_STAMPS,
     MIN_HELD,
     MIN_HOLD,
+    ROUND_OFF,
     STUCK_SHARE,
 )
 
@@ -182,7 +183,7 @@ def clipped_at(values: Array, step: float | None) -> float | None:
         return None
     beside = np.concatenate([np.maximum(begins[is_long] - 1, 0), np.minimum(ends[is_long], len(values) - 1)])
     drop = float(np.median(top - values[beside]))
-    least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0))
+    least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0), ROUND_OFF)
     return float(top) if drop > least else None
 
 
