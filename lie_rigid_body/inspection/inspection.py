@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.inspection.comparison import SensorComparison, compare
 from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
@@ -68,30 +68,25 @@ class Inspection:
         Run
         """
         sensors = dict(self.run.sensors)
-        for key, t_ns in self._stamps.items():
-            arrays = {**sensors[key].arrays}
-            for sensor, name in READINGS.items():
-                if name in arrays and key == _key(sensor):
-                    arrays[name] = _changed(t_ns, arrays[name], self._changes[sensor])
-            delay_ns = round(self._changes[key].delay_s * 1e9) if key == "magnetometer" else 0
-            sensors[key] = SensorArrays(t_ns - delay_ns, sensors[key].arrival_ns, arrays)
+        for sensor, name in READINGS.items():
+            key = _key(sensor)
+            if key in self._stamps:
+                change = self._changes[sensor]
+                t_ns = self._stamps[key]
+                readings = (getattr(sensors[key], name) - change.offset) @ change.matrix.T
+                if key == sensor:
+                    t_ns = t_ns - round(change.delay_s * 1e9)
+                elif change.delay_s:  # the stamps of an IMU are common
+                    since = t_ns - t_ns[0]
+                    later = since + change.delay_s * 1e9
+                    readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
+                sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
         return replace(self.run, sensors=sensors)
 
 
 def _key(sensor: str) -> str:
     """Key among the sensors of a run of the one that has these readings."""
     return sensor if sensor == "magnetometer" else "imu"
-
-
-def _changed(t_ns: Integers, readings: Array | None, change: Change) -> Array | None:
-    """Readings after a change; those of an IMU, whose stamps are common, are moved in time by interpolation."""
-    if readings is None:
-        return None
-    changed = (readings - change.offset) @ change.matrix.T
-    if not change.delay_s:
-        return np.asarray(changed)
-    since = (t_ns - t_ns[0]) / 1e9
-    return np.stack([np.interp(since + change.delay_s, since, axis) for axis in changed.T], axis=1)
 
 
 def inspect(run: Run) -> Inspection:
@@ -148,12 +143,21 @@ def inspect(run: Run) -> Inspection:
 
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
-    """Stamps of the IMU and the magnetometer that rise; what is wrong with them is told."""
-    given = {key: arrays.t_ns for key, arrays in run.sensors.items() if key in ("imu", "magnetometer")}
-    given = {key: t_ns for key, t_ns in given.items() if len(t_ns) > 1}
-    spans = {key: (int(t_ns.min()), int(t_ns.max())) for key, t_ns in given.items()}
-    widest = max(spans.values(), key=lambda span: span[1] - span[0], default=(0, 0))
-    return {key: checked_stamps(key, t_ns, widest, found) for key, t_ns in given.items()}
+    """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
+    keys = [key for key in ("imu", "magnetometer") if key in run.sensors and len(run.sensors[key].t_ns) > 1]
+    spans = [(int(run.sensors[key].t_ns.min()), int(run.sensors[key].t_ns.max())) for key in keys]
+    widest = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
+    stamps = {key: checked_stamps(key, run.sensors[key].t_ns, widest, found) for key in keys}
+    if widest[0] == widest[1]:
+        return {}  # no stamps tell any time
+    if len(stamps) == 2:
+        imu, other = stamps.values()
+        if other[0] > imu[-1] or imu[0] > other[-1]:
+            ahead_s = (other[0] - imu[0]) / 1e9
+            text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
+            found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
+            stamps["magnetometer"] = other - other[0] + imu[0]
+    return stamps
 
 
 def _field(stream: Stream, comparison: SensorComparison | None) -> float:

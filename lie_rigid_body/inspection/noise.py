@@ -124,9 +124,10 @@ def _windows_at_rest(readings: Array, size: int, most: float) -> Booleans:
 
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
-    step_s = float(np.median(np.diff(gyro.t_ns))) / 1e9
+    count = len(gyro.t_ns)
+    step_s = float(np.median(np.diff(gyro.t_ns))) / 1e9 if count > 1 else 0.0
     size = round(REST_WINDOW_S / step_s) if step_s else 0
-    if size < 2 * REST_PARTS or len(gyro.t_ns) != len(accelerometer.t_ns):
+    if not 2 * REST_PARTS <= size <= count or count != len(accelerometer.t_ns):
         return None
     at_rest = _windows_at_rest(gyro.readings, size, MAX_REST_RATE)
     at_rest &= _windows_at_rest(accelerometer.readings, size, np.inf)

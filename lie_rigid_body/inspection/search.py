@@ -108,22 +108,27 @@ class Misfits:
             self._shares[key] = float(np.sqrt(np.mean(np.sum(vectors**2, axis=1))))
         return self._shares[key]
 
+    @property
+    def _chosen(self) -> dict[tuple[Gyro, float], Array]:
+        """Misfits in the windows that tell most."""
+        return {key: by[self.length_s] for key, by in self._found.items() if self.length_s in by}
+
     def by_delay(self, gyro: Gyro) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
-        found = {d: by[self.length_s] for (each, d), by in self._found.items() if each == gyro and self.length_s in by}
+        found = {delay: misfits for (each, delay), misfits in self._chosen.items() if each == gyro}
         delays = np.sort(list(found))
         return delays, np.array([found[delay] for delay in delays]).reshape(-1, 24)
 
     def best(self) -> tuple[Gyro, float, int]:
         """Gyro, delay, s, and turn of the least misfit."""
-        found = {key: by[self.length_s] for key, by in self._found.items() if self.length_s in by}
+        found = self._chosen
         gyro, delay = min(found, key=lambda key: float(found[key].min()))
         return gyro, delay, int(found[gyro, delay].argmin())
 
     @property
     def least(self) -> float:
         """Least misfit of all."""
-        return min(float(by[self.length_s].min()) for by in self._found.values() if self.length_s in by)
+        return min(float(misfits.min()) for misfits in self._chosen.values())
 
     def scan(self, gyro: Gyro) -> None:
         """Try all delays with a gyro, and twice one between those tried: the vertex of a parabola of the square."""
@@ -142,13 +147,8 @@ def vertex(places: Array, values: Array) -> float | None:
     i = int(values.argmin())
     if not 0 < i < len(places) - 1:
         return None
-    left, right = places[i - 1] - places[i], places[i + 1] - places[i]
-    to_left = (values[i - 1] - values[i]) / left
-    to_right = (values[i + 1] - values[i]) / right
-    curvature = (to_right - to_left) / (right - left)
-    if curvature <= 0.0:
-        return None
-    return round(float(places[i] - (to_left - curvature * left) / 2.0 / curvature), 4)
+    bend, slope, _ = np.polyfit(places[i - 1 : i + 2] - places[i], values[i - 1 : i + 2], 2)
+    return round(float(places[i] - slope / 2.0 / bend), 4) if bend > 0.0 else None
 
 
 def search(found: Sequence[Misfits], more: Iterable[Gyro] = ()) -> None:

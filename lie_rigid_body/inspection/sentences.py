@@ -277,19 +277,19 @@ def tell_field_unit(size: float, found: Findings, changes: Changes) -> None:
     found : Findings
     changes : Changes
     """
-    inside = {name: unit for name, unit in MAGNETOMETER_UNITS.items() if FIELDS_T[0] < size * unit < FIELDS_T[1]}
-    near = [
-        name
-        for name, unit in MAGNETOMETER_UNITS.items()
-        if FIELDS_T[0] / FIELD_MARGIN < size * unit < FIELDS_T[1] * FIELD_MARGIN
-    ]
-    if "T" in inside:
-        return
-    if not inside and near:
-        found.ask("magnetometer_units", f"the field is {size:.3g} in its unit, which may be {' or '.join(near)}")
-        return
-    name, unit = next(iter(inside.items()), ("counts", None))
-    text = f"the magnetometer reads {name}: the field is {size:.4g}"
-    found.name("magnetometer_units", "magnetometer", text, f"× {unit:g}" if unit else "")
-    if unit:
+    name, unit = min(
+        MAGNETOMETER_UNITS.items(), key=lambda item: abs(np.log(size * item[1] / np.sqrt(np.prod(FIELDS_T))))
+    )
+    outside = max(FIELDS_T[0] / (size * unit), size * unit / FIELDS_T[1])
+    if 1.0 < outside < FIELD_MARGIN:
+        found.ask("magnetometer_units", f"the field is {size:.3g} in its unit, which may be {name}")
+    elif outside >= FIELD_MARGIN:
+        found.name("magnetometer_units", "magnetometer", f"the magnetometer reads counts: the field is {size:.4g}")
+    elif name != "T":
+        found.name(
+            "magnetometer_units",
+            "magnetometer",
+            f"the magnetometer reads {name}: the field is {size:.4g}",
+            f"× {unit:g}",
+        )
         changes["magnetometer"].matrix *= unit

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from scipy.interpolate import interp1d
 
 from lie_rigid_body.evaluation.attitudes import longest_rising
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
@@ -80,50 +81,33 @@ def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found:
         First and last stamp of the other sensor, over which stamps are spread that are all the same.
     found : Findings
     """
-    fault, good = _fault_of_stamps(t_ns)
+    fault, kept = _fault_of_stamps(t_ns)
     if not fault:
         _tell_gaps(sensor, t_ns, found)
         return t_ns
-    if good.sum() > 1:
-        places = np.flatnonzero(good)
-        even = _interpolated(len(t_ns), places, t_ns[places])
-    else:
-        even = np.linspace(*span_ns, len(t_ns)).astype(np.int64)
     found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
-    return even
+    if len(kept) < 2:
+        return np.linspace(*span_ns, len(t_ns)).astype(np.int64)
+    line = interp1d(kept, t_ns[kept] - t_ns[kept[0]], fill_value="extrapolate")
+    return np.asarray(t_ns[kept[0]] + np.round(line(np.arange(len(t_ns)))).astype(np.int64))
 
 
-def _fault_of_stamps(t_ns: Integers) -> tuple[str, Booleans]:
-    """Say in words what is wrong with stamps, empty for nothing, and which of them can be kept."""
+def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
+    """Say in words what is wrong with stamps, empty for nothing, and the indices of those that can be kept."""
     steps = np.diff(t_ns)
-    ends = np.zeros(len(t_ns), dtype=np.bool_)
-    ends[[0, -1]] = True
-    zero = (t_ns == 0) & (np.arange(len(t_ns)) > 0)
     if np.ptp(t_ns) == 0:
-        return "are all the same", np.zeros(len(t_ns), dtype=np.bool_)
-    if zero.any() and (steps < 0).any():
-        rest = np.flatnonzero(t_ns != 0)
-        good = np.zeros(len(t_ns), dtype=np.bool_)
-        good[rest[longest_rising(t_ns[rest])]] = True
-        return f"are 0 {zero.sum()} times", good
+        return "are all the same", np.arange(0)
     if (steps < 0).any():
-        good = np.zeros(len(t_ns), dtype=np.bool_)
-        good[longest_rising(t_ns)] = True
-        return f"go back {np.sum(steps < 0)} times", good
+        zeros = int(np.sum(t_ns[1:] == 0))
+        rest = np.flatnonzero(t_ns) if zeros else np.arange(len(t_ns))
+        text = f"are 0 {zeros} times" if zeros else f"go back {np.sum(steps < 0)} times"
+        return text, rest[longest_rising(t_ns[rest])]
+    ends = np.array([0, len(steps)])
     if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
         return f"are repeated in {np.mean(steps == 0):.0%} of the readings", ends
     if np.mean(steps < BURST_STEP * steps.mean()) > MAX_IN_BURSTS:
         return "come in bursts", ends
     return "", ends
-
-
-def _interpolated(count: int, places: Integers, t_ns: Integers) -> Integers:
-    """Stamps at every index, ns, from those at some; beyond them at the mean step."""
-    step = (t_ns[-1] - t_ns[0]) / (places[-1] - places[0])
-    index = np.arange(count)
-    inside = np.interp(index, places, t_ns - t_ns[0])
-    beyond = (np.minimum(index - places[0], 0) + np.maximum(index - places[-1], 0)) * step
-    return np.asarray(t_ns[0] + np.round(inside + beyond).astype(np.int64))
 
 
 def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
@@ -192,19 +176,14 @@ def tell_values(stream: Stream, found: Findings) -> None:
     name = stream.sensor
     span = np.ptp(stream.readings, axis=0)
     steps = [resolution(values) for values in stream.readings.T]
-    known = [step for step in steps if step is not None]
-    if len(known) == 3 and max(known) < (1.0 + GRID_TOLERANCE) * min(known):
-        found.note("resolution", f"the {name} reads multiples of {known[0]:.4g}", float(known[0]))
-        found.estimate(f"{name}_resolution", float(known[0]))
-    ranges = []
-    for axis, (values, step) in enumerate(zip(stream.readings.T, steps, strict=True)):
-        if span.max() > 0.0 and span[axis] <= STUCK_SHARE * span.max():
-            found.name("stuck", name, f"{AXES[axis]} of the {name} stays at {values[0]:.4g}")
-            continue
-        reached = [top for sign in (1.0, -1.0) if (top := clipped_at(sign * values, step)) is not None]
-        if reached:
-            text = f"{AXES[axis]} of the {name} reaches its range of {max(reached):.4g} and stays there"
-            found.name("clipped", name, text)
-            ranges.extend(reached)
-    if ranges:
-        found.estimate(f"{name}_range", float(max(ranges)))
+    coarse = [step for step in steps if step]
+    if len(coarse) == 3 and max(coarse) < (1.0 + GRID_TOLERANCE) * min(coarse):
+        found.note("resolution", f"the {name} reads multiples of {coarse[0]:.4g}", coarse[0])
+        found.estimate(f"{name}_resolution", coarse[0])
+    for axis, values, step in zip(AXES, stream.readings.T, steps, strict=True):
+        reached = [top for side in (values, -values) if (top := clipped_at(side, step)) is not None]
+        if np.ptp(values) <= STUCK_SHARE * span.max() and span.any():
+            found.name("stuck", name, f"{axis} of the {name} stays at {values[0]:.4g}")
+        elif reached:
+            found.name("clipped", name, f"{axis} of the {name} reaches its range of {max(reached):.4g} and stays there")
+            found.estimate(f"{name}_range", max(reached))

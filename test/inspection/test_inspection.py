@@ -77,6 +77,7 @@ def test_g_and_a_late_magnetometer_at_once_are_named_and_undone(hand: Run) -> No
     repaired = found.repaired()
     assert np.allclose(repaired.imu.specific_force, hand.imu.specific_force, rtol=1e-12)
     assert np.abs(repaired.magnetometer.t_ns - mag.t_ns).max() < 10e6
+    assert np.array_equal(repaired.magnetometer.field, mag.field)
 
 
 def test_hard_iron_is_a_note_with_its_value(hand: Run) -> None:
@@ -139,3 +140,21 @@ def test_a_log_at_rest_names_nothing_and_tells_its_noise() -> None:
 def test_only_runs_are_inspected() -> None:
     with pytest.raises(InputError, match="no Run"):
         inspect("hand.csv")  # type: ignore[arg-type]
+
+
+def test_readings_that_tell_nothing_are_no_error(hand: Run) -> None:
+    mag = hand.magnetometer
+    assert mag is not None
+    nothing = np.zeros_like(hand.imu.gyro)
+    without_time = changed(hand, t_ns=np.zeros_like(hand.imu.t_ns), field_ns=np.zeros_like(mag.t_ns))
+    assert codes(inspect(without_time)) == ["stamps", "stamps"]
+    assert inspect(changed(hand, gyro=nothing, force=nothing, field=np.zeros_like(mag.field))).passed
+    assert inspect(changed(hand, gyro=np.full_like(nothing, np.nan), magnetometer=False)).passed
+
+
+def test_a_magnetometer_of_another_clock_is_named_and_moved(hand: Run) -> None:
+    mag = hand.magnetometer
+    assert mag is not None
+    found = inspect(changed(hand, field_ns=mag.t_ns + 10**18))
+    assert codes(found) == ["stamps"]
+    assert np.abs(found.repaired().magnetometer.t_ns - mag.t_ns).max() < 10e6
