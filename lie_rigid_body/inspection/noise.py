@@ -1,8 +1,8 @@
 """Noise of sensors at rest, by the overlapping Allan deviation, with standard errors.
 
 The Allan variance of white noise of density N and a random walk of density K is N²/τ + K²τ/3 (IEEE Std 952-1997, annex
-C). Its equivalent degrees of freedom are those of white noise (D. A. Howe, D. W. Allan, J. A. Barnes, "Properties of
-signal sources and measurement methods", 1981, table 2).
+C). Its equivalent degrees of freedom are those of white noise over many readings (D. A. Howe, D. W. Allan, J. A.
+Barnes, "Properties of signal sources and measurement methods", 1981, table 2).
 """
 
 from __future__ import annotations
@@ -75,14 +75,11 @@ def allan(readings: Array, step_s: float) -> Allan:
     shortest = max(MIN_ALLAN_S / step_s, 1.0)
     longest = count / MIN_ALLAN_CYCLES
     powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(longest))
-    sizes = powers.astype(np.int64)
     variances: list[float] = []
-    for size in sizes:
+    for size in powers.astype(np.int64):
         second = sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]
         variances.append(float(np.mean(second**2)) / (2.0 * size**2))
-    squared = 4.0 * sizes.astype(np.float64) ** 2
-    freedom = (1.5 * (count - 1) / sizes - 2.0 * (count - 2) / count) * squared / (squared + 5.0)
-    return Allan(sizes.astype(np.float64) * step_s, np.array(variances), float(axes) * freedom)
+    return Allan(powers * step_s, np.array(variances), axes * (1.5 * count / powers - 2.0))
 
 
 def density(found: Allan) -> Density:

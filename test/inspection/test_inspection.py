@@ -125,7 +125,12 @@ def test_zeros_in_the_stamps_are_named_and_filled_in(hand: Run) -> None:
 
 def test_a_log_at_rest_names_nothing_and_tells_its_noise() -> None:
     run = simulate(
-        "hand", duration=40.0, sensor_grade="mems", initial_body_rate=[0.0, 0.0, 0.0], kicks=[], translation="none"
+        duration=40.0,
+        sensor_grade="mems",
+        initial_body_rate=[0.0, 0.0, 0.0],
+        accelerometer_mode="pivot_gravity",
+        imu_rate=100.0,
+        magnetometer_rate=50.0,
     )
     found = inspect(run)
     assert found.passed
