@@ -85,6 +85,23 @@ def tell(comparison: SensorComparison, found: Findings, changes: Changes) -> Non
         else:
             _tell_constant_and_unit(comparison, each, found, changes)
     _tell_rate_bias(comparison, found)
+    if len(comparison.vectors) == 2 and all(each.is_told for each in comparison.vectors):
+        _tell_dip(comparison, found)
+
+
+def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
+    """Tell the angle between the field and the horizontal, positive if it points down."""
+    means = []
+    for each in comparison.vectors:
+        windows = each.placed.blocks(comparison.worlds.of(comparison.gyro)).windows(each.placed.misfits.lengths_s[0])
+        turn = each.placed.turn
+        offset = TURNS[turn] @ each.constants.offset / each.placed.misfits.vector.size
+        vectors = windows.vectors(turn, offset)
+        means.append(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+    count = min(map(len, means))
+    dip = -np.degrees(np.arcsin(np.mean(np.sum(means[0][:count] * means[1][:count], axis=1))))
+    text = f"the field points {dip:.1f}° below the horizontal, if both signs are right: does this fit the place?"
+    found.note("dip", text, dip)
 
 
 def _tell_axes(comparison: SensorComparison, found: Findings, changes: Changes) -> None:

@@ -52,6 +52,9 @@ def test_nothing_is_named_in_a_healthy_log(hand: Run) -> None:
     assert np.abs(np.array(bias.value) - hand.imu.gyro_bias.mean(axis=0)).max() < 0.005
     assert found.sensors["gyro_resolution"].value == pytest.approx(np.radians(1.0) / 16.384, rel=1e-9)
     assert found.sensors["imu_rate"].value == 100.0
+    east, north, up = hand.scenario.sensors.on["magnetometer"].field
+    dips = [note.value for note in found.notes if note.code == "dip"]
+    assert dips == [pytest.approx(np.degrees(np.arctan2(-up, np.hypot(east, north))), abs=1.0)]
     assert json.loads(json.dumps(found.to_dict()))["passed"]
     assert np.array_equal(found.repaired().imu.gyro, hand.imu.gyro)
 
