@@ -93,7 +93,7 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     """Tell the angle between the field and the horizontal, positive if it points down."""
     means = []
     for each in comparison.vectors:
-        windows = each.placed.blocks(comparison.worlds.of(comparison.gyro)).windows(each.placed.misfits.lengths_s[0])
+        windows = each.placed.blocks(comparison.worlds.of(comparison.gyro)).windows(each.placed.misfits.lengths_s[-1])
         turn = each.placed.turn
         offset = TURNS[turn] @ each.constants.offset / each.placed.misfits.vector.size
         vectors = windows.vectors(turn, offset)
