@@ -168,8 +168,8 @@ def _tell_factor(comparison: SensorComparison, found: Findings, changes: Changes
         text = f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}"
         found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
         changes["gyro"].matrix *= factor
-    elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR:
-        found.ask("time_step", f"the gyro's factor is only known to {sigma:.0%}")
+    elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR or "time_step" in codes:
+        found.ask("time_step", f"the gyro's factor of {factor:.4g} is only known to {sigma:.0%}")
 
 
 def _factor_gain(comparison: SensorComparison, unit: float) -> float:
