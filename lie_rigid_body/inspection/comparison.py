@@ -141,7 +141,7 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
         return None
     gyros = _search_all(vectors, worlds)
     clearest = max((each.best()[0] for each in vectors), key=lambda gyro: max(each.contrast(gyro) for each in vectors))
-    if _is_too_slow(streams, rate, clearest.factor):
+    if _is_too_slow(streams, rate, min(clearest.factor, 1.0)):  # larger ones are found where nothing fits
         _untold(vectors, "the log is too slow for its motion: record it at a higher rate, or", found)
         return None
     vectors, taken_off = _weighed(vectors, worlds, gyros[len(GYROS) :], found)
@@ -150,7 +150,11 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
     if not every:
         _untold(vectors, "no one gyro explains all other sensors", found)
         return None
-    return _refined(vectors, worlds, judged(every), taken_off)
+    verdict = judged(every)
+    if _is_too_slow(streams, rate, verdict.best.gyro.factor):
+        _untold(vectors, "the gyro that fits best turns too far between readings", found)
+        return None
+    return _refined(vectors, worlds, verdict, taken_off)
 
 
 def _untold(vectors: Sequence[Misfits], why: str, found: Findings) -> None:
