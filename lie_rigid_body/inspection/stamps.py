@@ -171,6 +171,12 @@ def clipped_at(values: Array, step: float | None) -> float | None:
     return float(top) if drop > least else None
 
 
+def _is_noisy(readings: Array) -> bool:
+    """Whether successive second differences have opposite signs, as those of noise, and not those of a motion."""
+    bends = np.diff(readings, 2, axis=0)
+    return bool(np.sum(bends[1:] * bends[:-1]) < 0.0)
+
+
 def tell_values(stream: Stream, found: Findings) -> None:
     """Tell resolution, clipping and stuck axes of a sensor."""
     name = stream.sensor
@@ -182,8 +188,12 @@ def tell_values(stream: Stream, found: Findings) -> None:
         found.estimate(f"{name}_resolution", coarse[0])
     for axis, values, step in zip(AXES, stream.readings.T, steps, strict=True):
         reached = [top for side in (values, -values) if (top := clipped_at(side, step)) is not None]
+        text = f"{axis} of the {name} stays at {values[0]:.4g}"
         if np.ptp(values) <= STUCK_SHARE * span.max() and span.any():
-            found.name("stuck", name, f"{axis} of the {name} stays at {values[0]:.4g}")
+            if _is_noisy(stream.readings):
+                found.name("stuck", name, text)
+            else:
+                found.ask("stuck", f"{text}, as without noise it may")
         elif reached:
             found.name("clipped", name, f"{axis} of the {name} reaches its range of {max(reached):.4g} and stays there")
             found.estimate(f"{name}_range", max(reached))

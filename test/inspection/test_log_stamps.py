@@ -87,8 +87,17 @@ def test_a_range_is_where_readings_stay_and_drop_away() -> None:
 
 
 def test_a_stuck_axis_is_named() -> None:
-    readings = waves()
+    readings = waves() + RNG.normal(size=(1000, 3)) * 1e-3
     readings[:, 1] = 0.25
     found = Findings()
     tell_values(Stream.of("gyro", STAMPS, readings), found)
     assert [(mistake.code, mistake.message) for mistake in found.mistakes] == [("stuck", "y of the gyro stays at 0.25")]
+
+
+def test_an_axis_of_a_perfect_sensor_may_stay() -> None:
+    """The rate of a symmetric top along its axis is constant."""
+    readings = waves()
+    readings[:, 1] = 0.25
+    found = Findings()
+    tell_values(Stream.of("gyro", STAMPS, readings), found)
+    assert (found.mistakes, list(found.undecided)) == ([], ["stuck"])
