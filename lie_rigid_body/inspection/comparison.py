@@ -17,6 +17,7 @@ from lie_rigid_body.inspection.rule import (
     GYRO_HZ,
     GYROS,
     MAGNETOMETER_OFFSET_COST,
+    MAX_CLIPPED,
     MAX_LOG_FACTOR_ERROR,
     MAX_MISFIT,
     MAX_ROTATION_DEG,
@@ -138,6 +139,10 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
     ]
     vectors = [each for each in vectors if _is_long(each, t_s, found)]
     if not vectors:
+        return None
+    top = np.abs(gyro.readings).max()
+    if found.has("clipped", "gyro") and np.mean(np.abs(gyro.readings).max(axis=1) == top) > MAX_CLIPPED:
+        _untold(vectors, "the gyro reaches its range too often", found)
         return None
     gyros = _search_all(vectors, worlds)
     clearest = max((each.best()[0] for each in vectors), key=lambda gyro: max(each.contrast(gyro) for each in vectors))

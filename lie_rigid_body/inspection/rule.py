@@ -174,6 +174,8 @@ CLIPPED_DROP: Final = 1e-3
 """Drop beside them, over the range of the readings; no less than as many steps of the resolution as readings above."""
 ROUND_OFF: Final = 1e-9
 """Drop up to which it is round-off, in any unit: 1 nT, or 1e-10 of gravity."""
+MAX_CLIPPED: Final = 0.01
+"""Share of a gyro's readings at its range from which it integrates no world: spinning phones had wrong names above."""
 GYRO_HZ: Final = 90.0
 """Rate from which readings of the gyro are averaged in pairs and more, Hz."""
 VECTOR_HZ: Final = 45.0
