@@ -14,6 +14,7 @@ from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
+    EXCLUDED,
     GYRO_HZ,
     GYROS,
     MAGNETOMETER_OFFSET_COST,
@@ -156,7 +157,11 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
         _untold(vectors, "no one gyro explains all other sensors", found)
         return None
     verdict = judged(every)
-    if _is_too_slow(streams, rate, verdict.best.gyro.factor):
+    factor = verdict.best.gyro.factor
+    fit = [each.by_delay(verdict.best.gyro)[1].min(axis=0) <= EXCLUDED * each.least for each in vectors]
+    if any(turns.sum() > 1 for turns in fit):  # about one axis a slow gyro fits where a fast one skips turns
+        factor = max(factor, 1.0)
+    if _is_too_slow(streams, rate, factor):
         _untold(vectors, "the gyro that fits best turns too far between readings", found)
         return None
     return _refined(vectors, worlds, verdict, taken_off)
