@@ -159,7 +159,7 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
     verdict = judged(every)
     factor = verdict.best.gyro.factor
     fit = [each.by_delay(verdict.best.gyro)[1].min(axis=0) <= EXCLUDED * each.least for each in vectors]
-    if any(turns.sum() > 1 for turns in fit):  # about one axis a slow gyro fits where a fast one skips turns
+    if all(turns.sum() > 1 for turns in fit):  # about one axis a slow gyro fits where a fast one skips turns
         factor = max(factor, 1.0)
     if _is_too_slow(streams, rate, factor):
         _untold(vectors, "the gyro that fits best turns too far between readings", found)
