@@ -1,0 +1,123 @@
+"""What an inspection says: mistakes, what is undecided, and notes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+
+HOW: Final = "turn it slowly once about each axis, then let it rest for ten seconds"
+"""How to record a log that decides."""
+
+Numbers: TypeAlias = "float | tuple[float, ...]"
+
+
+@short_dataclass(frozen=True)
+class LogMistake:
+    """A mistake in the readings, named after the repair that undoes it.
+
+    Attributes
+    ----------
+    code : str
+    sensor : str
+    message : str
+    repair : str
+        The repair in a few characters, such as ``y x -z``; empty where nothing repairs it.
+    before, after : float or None
+        Misfit without the repairs and with them, as a share of the vector; None where no model is needed.
+    or_else : tuple of str
+        Codes of mistakes whose repairs do as well.
+    """
+
+    code: str
+    sensor: str
+    message: str
+    repair: str = ""
+    before: float | None = None
+    after: float | None = None
+    or_else: tuple[str, ...] = ()
+
+
+@short_dataclass(frozen=True)
+class Undecided:
+    """A mistake between which and none the log does not decide.
+
+    Attributes
+    ----------
+    code : str
+    message : str
+        Why, and how to record a log that decides.
+    """
+
+    code: str
+    message: str
+
+
+@short_dataclass(frozen=True)
+class LogNote:
+    """Something about the readings that is no mistake.
+
+    Attributes
+    ----------
+    code : str
+    message : str
+    value : float or tuple of float
+    """
+
+    code: str
+    message: str
+    value: Numbers
+
+
+@short_dataclass(frozen=True)
+class Estimated:
+    """A number with its standard error.
+
+    Attributes
+    ----------
+    value : float or tuple of float
+    standard_error : float or tuple of float
+    """
+
+    value: Numbers
+    standard_error: Numbers
+
+
+@dataclass
+class Findings:
+    """What was found up to now."""
+
+    mistakes: list[LogMistake] = field(default_factory=list)
+    undecided: dict[str, Undecided] = field(default_factory=dict)
+    notes: list[LogNote] = field(default_factory=list)
+    sensors: dict[str, Estimated] = field(default_factory=dict)
+
+    def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
+        """Add a mistake; ``more`` are fields of `LogMistake`."""
+        self.mistakes.append(LogMistake(code, sensor, message, repair, **more))
+
+    def ask(self, code: str, why: str) -> None:
+        """Add what is undecided; of each code the first."""
+        self.undecided.setdefault(code, Undecided(code, f"{why}: {HOW}"))
+
+    def note(self, code: str, message: str, value: ArrayLike) -> None:
+        """Add a note with a number, or several."""
+        self.notes.append(LogNote(code, message, _numbers(value)))
+
+    def estimate(self, name: str, value: ArrayLike, error: ArrayLike = 0.0) -> None:
+        """Add a parameter of the simulator's sensors with its standard error, or several numbers with theirs."""
+        self.sensors[name] = Estimated(_numbers(value), _numbers(error))
+
+    def has(self, code: str, sensor: str) -> bool:
+        """Whether a mistake of a sensor was found."""
+        return any(mistake.code == code and mistake.sensor == sensor for mistake in self.mistakes)
+
+
+def _numbers(value: ArrayLike) -> Numbers:
+    """Numbers of Python, in a row."""
+    array = np.asarray(value, dtype=np.float64)
+    return tuple(array.ravel().tolist()) if array.ndim else float(array)

@@ -1,0 +1,84 @@
+"""Constant part of the specific force: gravity in some unit, none, or gravity less a constant of the sensor's axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.inspection.rule import (
+    ACCELEROMETER_UNITS,
+    GRAVITY,
+    MAX_NO_GRAVITY,
+    MAX_SWING,
+    MIN_GAIN,
+    MIN_TAKEN_OFF,
+    SAME_UNIT,
+    SWING_LENGTH_S,
+)
+from lie_rigid_body.inspection.search import Misfits, Worlds
+from lie_rigid_body.inspection.world import fit_turns
+
+
+class Weight(NamedTuple):
+    """What is constant of a vector under the hypothesis that fits it best.
+
+    Attributes
+    ----------
+    size : float
+        RMS of its means, in the unit of the readings.
+    swing : float
+        RMS of the change from window to window, as a share of the size.
+    offset : float
+        Size of the offset, as a share of the size.
+    misfit : float
+        As a share of the size.
+    """
+
+    size: float
+    swing: float
+    offset: float
+    misfit: float
+
+    @property
+    def unit(self) -> str | None:
+        """The unit in which the size is that of gravity."""
+        return next((unit for unit, g in ACCELEROMETER_UNITS.items() if abs(np.log(self.size / g)) < SAME_UNIT), None)
+
+    @property
+    def is_healthy(self) -> bool:
+        """Whether the vector is gravity without an offset."""
+        return self.unit is not None and self.swing < MAX_SWING and self.offset < MIN_TAKEN_OFF
+
+    @property
+    def is_without_gravity(self) -> bool:
+        """Whether there is no gravity in m/s²."""
+        return self.size < MAX_NO_GRAVITY * GRAVITY
+
+    def is_better_than(self, held: Weight) -> bool:
+        """Whether the vector is gravity less a constant, compared with the fit that keeps offsets small."""
+        is_gravity = self.unit is not None and self.swing < MAX_SWING and self.offset > MIN_TAKEN_OFF
+        gain = held.misfit * held.size / (self.misfit * self.size)
+        return is_gravity and gain > (1.0 if held.unit is None else MIN_GAIN)
+
+
+def weight(found: Misfits, worlds: Worlds) -> Weight:
+    """Weigh a vector under its best hypothesis."""
+    gyro, delay_s, turn = found.best()
+    vector = found.vector
+    blocks = vector.blocks(worlds.of(gyro), delay_s)
+    fit = fit_turns(blocks.windows(found.length_s).gram()[0], vector.offset_cost)
+    offset = fit.constants[turn, 3:]
+    length_s = _nearest(found.lengths_s, SWING_LENGTH_S)
+    means = blocks.windows(length_s).vectors(turn, offset)
+    size = rms(np.linalg.norm(means, axis=1))
+    swing = rms(np.linalg.norm(np.diff(means[::2], axis=0), axis=1))
+    return Weight(
+        size * vector.size, swing / size, float(np.linalg.norm(offset)) / size, float(fit.misfit[turn]) / size
+    )
+
+
+def _nearest(values: Sequence[float], wanted: float) -> float:
+    return min(values, key=lambda value: abs(value - wanted))

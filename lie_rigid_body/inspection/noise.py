@@ -1,0 +1,173 @@
+"""Noise of sensors at rest, by the overlapping Allan deviation, with standard errors.
+
+The Allan variance of white noise of density N and a random walk of density K is N²/τ + K²τ/3 (IEEE Std 952-1997, annex
+C). Its equivalent degrees of freedom are those of white noise over many readings (D. A. Howe, D. W. Allan, J. A.
+Barnes, "Properties of signal sources and measurement methods", 1981, table 2). Rounding to a resolution r adds white
+noise of variance r²/12, which is taken off.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lie_rigid_body.foundation.arrays import Array, Booleans
+from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.inspection.rule import (
+    MAX_REST_COLOUR,
+    MAX_REST_RATE,
+    MIN_ALLAN_CYCLES,
+    MIN_ALLAN_S,
+    MIN_REST_S,
+    OCTAVES_SHARED,
+    REST_PARTS,
+    REST_SIGMAS,
+    REST_WINDOW_S,
+    SIGMAS,
+)
+from lie_rigid_body.inspection.stamps import Stream, resolution
+
+
+class Allan(NamedTuple):
+    """Overlapping Allan variance of the mean of K axes.
+
+    Attributes
+    ----------
+    tau_s, variance : ndarray, shape (M,)
+        Averaging times, s, and variances, (unit of the readings)².
+    freedom : ndarray, shape (M,)
+        Equivalent degrees of freedom.
+    """
+
+    tau_s: Array
+    variance: Array
+    freedom: Array
+
+
+class Density(NamedTuple):
+    """Densities of noise with their standard errors.
+
+    Attributes
+    ----------
+    white, white_sigma : float
+        Of white noise, unit/√Hz.
+    walk, walk_sigma : float
+        Of the random walk, unit/s/√Hz; 0 where it is not told.
+    """
+
+    white: float
+    white_sigma: float
+    walk: float
+    walk_sigma: float
+
+
+def allan(readings: Array, step_s: float) -> Allan:
+    """Compute the Allan variance at averaging times of powers of two steps.
+
+    Parameters
+    ----------
+    readings : ndarray, shape (N, K)
+    step_s : float
+        Time between readings, s.
+    """
+    count, axes = readings.shape
+    sums = np.concatenate([np.zeros((1, axes)), np.cumsum(readings - readings.mean(axis=0), axis=0)])
+    shortest = max(MIN_ALLAN_S / step_s, 1.0)
+    longest = count / MIN_ALLAN_CYCLES
+    powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(longest))
+    variances: list[float] = []
+    for size in powers.astype(np.int64):
+        second = sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]
+        variances.append(float(np.mean(second**2)) / (2.0 * size**2))
+    return Allan(powers * step_s, np.array(variances), axes * (1.5 * count / powers - 2.0))
+
+
+def density(found: Allan) -> Density:
+    """Fit white noise and a random walk to an Allan variance; the walk is left out where it is not told."""
+    model = np.stack([1.0 / found.tau_s, found.tau_s / 3.0], axis=1)
+    squares, covariance = _weighted(model, found)
+    if squares[1] <= SIGMAS * np.sqrt(OCTAVES_SHARED * covariance[1, 1]):
+        squares, covariance = _weighted(model[:, :1], found)
+    sizes = np.sqrt(np.maximum(squares, 0.0))
+    sigmas = np.sqrt(OCTAVES_SHARED * np.diag(covariance)) / np.maximum(2.0 * sizes, np.finfo(np.float64).tiny)
+    walk = (float(sizes[1]), float(sigmas[1])) if len(sizes) > 1 else (0.0, 0.0)
+    return Density(float(sizes[0]), float(sigmas[0]), *walk)
+
+
+def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
+    """Coefficients of a model of the variance and their covariance, weighted by the model's own standard errors."""
+    expected = found.variance
+    for _ in range(3):
+        weights = found.freedom / (2.0 * np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
+        covariance = np.linalg.inv(model.T * weights @ model)
+        squares = covariance @ (model.T * weights @ found.variance)
+        expected = np.abs(model @ squares)
+    return squares, covariance
+
+
+def _windows_at_rest(readings: Array, size: int, most: float) -> Booleans:
+    """Whether each window scatters as white noise does, with a mean like those beside it and of at most a size."""
+    count = len(readings) // size
+    part = size // REST_PARTS
+    windows = readings[: count * size].reshape(count, size, 3)
+    means = windows.mean(axis=1)
+    variances = windows.var(axis=1)
+    parts = windows[:, : part * REST_PARTS].reshape(count, REST_PARTS, part, 3).mean(axis=2).var(axis=1)
+    is_white = (parts * part <= MAX_REST_COLOUR * variances).all(axis=1)
+    change = np.abs(np.diff(means, axis=0)) <= REST_SIGMAS * np.sqrt(2.0 * variances[1:] / size)
+    is_steady = np.concatenate([[True], change.all(axis=1)])
+    return np.asarray(is_white & is_steady & (np.linalg.norm(means, axis=1) <= most))
+
+
+def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
+    """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
+    count = len(gyro.t_ns)
+    step_s = float(np.median(np.diff(gyro.t_ns))) / 1e9 if count > 1 else 0.0
+    size = round(REST_WINDOW_S / step_s) if step_s else 0
+    if not 2 * REST_PARTS <= size <= count or count != len(accelerometer.t_ns):
+        return None
+    at_rest = _windows_at_rest(gyro.readings, size, MAX_REST_RATE)
+    at_rest &= _windows_at_rest(accelerometer.readings, size, np.inf)
+    edges = np.diff(np.concatenate([[0], at_rest, [0]]).astype(np.int64))
+    begins = np.flatnonzero(edges == 1)
+    ends = np.flatnonzero(edges == -1)
+    if not len(begins):
+        return None
+    best = int((ends - begins).argmax())
+    if (ends[best] - begins[best]) * size * step_s < MIN_REST_S:
+        return None
+    return int(gyro.t_ns[begins[best] * size]), int(gyro.t_ns[ends[best] * size - 1])
+
+
+def tell_noise(streams: list[Stream], found: Findings) -> None:
+    """Tell the noise of all sensors, and the gyro's bias, in the longest rest.
+
+    Parameters
+    ----------
+    streams : list of Stream
+        Gyro, accelerometer, and perhaps a magnetometer.
+    found : Findings
+    """
+    rest = longest_rest(*streams[:2])
+    if rest is None:
+        return
+    for stream in streams:
+        still = stream.between(*rest)
+        step_s = float(np.median(np.diff(still.t_ns))) / 1e9 if len(still.t_ns) > 1 else np.inf
+        if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
+            continue
+        measured = allan(still.readings, step_s)
+        grid = (resolution(stream.readings[:, 0]) or 0.0) ** 2 / 12.0 * step_s / measured.tau_s
+        if np.any(grid > measured.variance / 2.0):
+            continue  # the resolution hides the noise
+        told = density(measured._replace(variance=measured.variance - grid))
+        name = stream.sensor
+        found.note("noise", f"the {name} has white noise of {told.white:.3g} per √Hz at rest", told.white)
+        found.estimate(f"{name}_noise_density", told.white, told.white_sigma)
+        if told.walk:
+            found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)
+        if name == "gyro":
+            seconds = len(still.t_ns) * step_s
+            error = np.sqrt(told.white**2 / seconds + told.walk**2 * seconds / 3.0)
+            found.estimate("gyro_bias", still.readings.mean(axis=0), np.full(3, error))

@@ -1,0 +1,199 @@
+"""Stamps and readings by themselves, without a model: order, gaps, held readings, resolution, range, stuck axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from scipy.interpolate import interp1d
+
+from lie_rigid_body.evaluation.attitudes import longest_rising
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.inspection.rule import (
+    BURST_STEP,
+    CLIPPED_DROP,
+    CLIPPED_READINGS,
+    GAP_STEP,
+    GRID_TOLERANCE,
+    HELD_REACH,
+    MAX_GRID_STEPS,
+    MAX_IN_BURSTS,
+    MAX_REPEATED_STAMPS,
+    MIN_HELD,
+    MIN_HOLD,
+    ROUND_OFF,
+    STUCK_SHARE,
+)
+
+AXES: Final = "xyz"
+
+
+@dataclass(frozen=True, eq=False)
+class Stream:
+    """Readings of one sensor with their stamps, as far as they are numbers.
+
+    Attributes
+    ----------
+    sensor : str
+    t_ns : ndarray of int64, shape (N,)
+    readings : ndarray, shape (N, 3)
+    """
+
+    sensor: str
+    t_ns: Integers
+    readings: Array
+
+    @classmethod
+    def of(cls, sensor: str, t_ns: Integers, readings: Array) -> Stream:
+        """Leave out what is not finite."""
+        finite = np.isfinite(readings).all(axis=1)
+        return cls(sensor, t_ns, readings) if finite.all() else cls(sensor, t_ns[finite], readings[finite])
+
+    def __getitem__(self, rows: slice | Booleans) -> Stream:
+        return replace(self, t_ns=self.t_ns[rows], readings=self.readings[rows])
+
+    def between(self, begin_ns: int, end_ns: int) -> Stream:
+        """Readings from one time on and up to another one, ns."""
+        first, last = np.searchsorted(self.t_ns, [begin_ns, end_ns + 1])
+        return self[slice(first, last)]
+
+    def averaged(self, rate_hz: float) -> tuple[Array, Array]:
+        """Means over as many readings as leave a rate, Hz: times, s, and readings."""
+        seconds = max(float(np.ptp(self.t_ns)) / 1e9, 1e-9)
+        size = max(int(len(self.t_ns) / seconds / rate_hz), 1)
+        count = len(self.t_ns) // size
+        used = count * size
+        origin = self.t_ns[0] if len(self.t_ns) else 0
+        since = (self.t_ns[:used] - origin).reshape(count, size).mean(axis=1) / 1e9
+        return since + origin / 1e9, self.readings[:used].reshape(count, size, 3).mean(axis=1)
+
+
+def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found: Findings) -> Integers:
+    """Stamps that rise evenly where the given ones do not rise; what is wrong with them is told.
+
+    Parameters
+    ----------
+    sensor : str
+    t_ns : ndarray of int64, shape (N,)
+    span_ns : tuple of int
+        First and last stamp of the other sensor, over which stamps are spread that are all the same.
+    found : Findings
+    """
+    fault, kept = _fault_of_stamps(t_ns)
+    if not fault:
+        _tell_gaps(sensor, t_ns, found)
+        return t_ns
+    found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
+    if len(kept) < 2:
+        return np.linspace(*span_ns, len(t_ns)).astype(np.int64)
+    line = interp1d(kept, t_ns[kept] - t_ns[kept[0]], fill_value="extrapolate")
+    return np.asarray(t_ns[kept[0]] + np.round(line(np.arange(len(t_ns)))).astype(np.int64))
+
+
+def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
+    """Say in words what is wrong with stamps, empty for nothing, and the indices of those that can be kept."""
+    steps = np.diff(t_ns)
+    if np.ptp(t_ns) == 0:
+        return "are all the same", np.arange(0)
+    if (steps < 0).any():
+        zeros = int(np.sum(t_ns[1:] == 0))
+        rest = np.flatnonzero(t_ns) if zeros else np.arange(len(t_ns))
+        text = f"are 0 {zeros} times" if zeros else f"go back {np.sum(steps < 0)} times"
+        return text, rest[longest_rising(t_ns[rest])]
+    ends = np.array([0, len(steps)])
+    if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
+        return f"are repeated in {np.mean(steps == 0):.0%} of the readings", ends
+    if np.mean(steps < BURST_STEP * steps.mean()) > MAX_IN_BURSTS:
+        return "come in bursts", ends
+    return "", ends
+
+
+def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
+    steps = np.diff(t_ns)
+    median = float(np.median(steps))
+    gaps = steps[steps > GAP_STEP * median]
+    if len(gaps):
+        lost = round(float(np.sum(gaps / median - 1.0)))
+        text = (
+            f"{len(gaps)} gaps of up to {gaps.max() / 1e9:.3g} s in the {sensor}, in which {lost} readings are missing"
+        )
+        found.name("gaps", sensor, text)
+
+
+def fresh(stream: Stream, found: Findings) -> Stream:
+    """Readings without those that are held from the one before, if a slower sensor is on these stamps; that is told."""
+    readings = stream.readings
+    held = np.all(readings[1:] == readings[:-1], axis=1)
+    moved = np.linalg.norm(readings[HELD_REACH:] - readings[:-HELD_REACH], axis=1)
+    moving = moved > np.quantile(moved, 0.75) / 2.0 if len(moved) else np.zeros(0, dtype=np.bool_)
+    if not moving.any() or held[: len(moved)][moving].mean() <= MIN_HELD:
+        return stream
+    first = np.concatenate([[True], ~held])
+    hold = len(first) / first.sum()
+    text = f"a reading of the {stream.sensor} is held over {hold:.3g} stamps on average"
+    if hold > MIN_HOLD:
+        found.name("repeated", stream.sensor, text, "the first of each")
+    else:
+        found.note("rates", text, float(hold))
+    return stream[first]
+
+
+def resolution(values: Array) -> float | None:
+    """Step of which all values are multiples, apart from an offset; None for continuous ones, or too few."""
+    different = np.unique(values)
+    if len(different) < 3:
+        return None
+    span = different[-1] - different[0]
+    steps = np.diff(different)
+    step = float(steps[steps > span / MAX_GRID_STEPS].min(initial=np.inf))
+    if not np.isfinite(step):
+        return None
+    multiples = steps / step
+    if np.abs(multiples - np.round(multiples)).max() > GRID_TOLERANCE or span / step > MAX_GRID_STEPS:
+        return None
+    return float(span / np.sum(np.round(multiples)))
+
+
+def clipped_at(values: Array, step: float | None) -> float | None:
+    """The largest value, if it is reached and left in at least two stretches as a range is; else None."""
+    top = values.max()
+    edges = np.diff(np.concatenate([[0], values == top, [0]]).astype(np.int64))
+    begins = np.flatnonzero(edges == 1)
+    ends = np.flatnonzero(edges == -1)
+    is_long = ends - begins >= CLIPPED_READINGS
+    if is_long.sum() < 2:
+        return None
+    beside = np.concatenate([np.maximum(begins[is_long] - 1, 0), np.minimum(ends[is_long], len(values) - 1)])
+    drop = float(np.median(top - values[beside]))
+    least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0), ROUND_OFF)
+    return float(top) if drop > least else None
+
+
+def _is_noisy(readings: Array) -> bool:
+    """Whether successive second differences have opposite signs, as those of noise, and not those of a motion."""
+    bends = np.diff(readings, 2, axis=0)
+    return bool(np.sum(bends[1:] * bends[:-1]) < 0.0)
+
+
+def tell_values(stream: Stream, found: Findings) -> None:
+    """Tell resolution, clipping and stuck axes of a sensor."""
+    name = stream.sensor
+    span = np.ptp(stream.readings, axis=0)
+    steps = [resolution(values) for values in stream.readings.T]
+    coarse = [step for step in steps if step]
+    if len(coarse) == 3 and max(coarse) < (1.0 + GRID_TOLERANCE) * min(coarse):
+        found.note("resolution", f"the {name} reads multiples of {coarse[0]:.4g}", coarse[0])
+        found.estimate(f"{name}_resolution", coarse[0])
+    for axis, values, step in zip(AXES, stream.readings.T, steps, strict=True):
+        reached = [top for side in (values, -values) if (top := clipped_at(side, step)) is not None]
+        text = f"{axis} of the {name} stays at {values[0]:.4g}"
+        if np.ptp(values) <= STUCK_SHARE * span.max() and span.any():
+            if _is_noisy(stream.readings):
+                found.name("stuck", name, text)
+            else:
+                found.ask("stuck", f"{text}, as without noise it may")
+        elif reached:
+            found.name("clipped", name, f"{axis} of the {name} reaches its range of {max(reached):.4g} and stays there")
+            found.estimate(f"{name}_range", max(reached))

@@ -1,0 +1,168 @@
+"""Mistakes that are put into healthy logs are named, with the repair that undoes them; in healthy ones none is."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import Run, simulate
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.inspection import Inspection, inspect
+from lie_rigid_body.runs import SensorArrays
+
+GRAVITY = 9.80665
+SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])  # as the AK8963 in the MPU-9250: y x -z
+
+
+@pytest.fixture(scope="module")
+def hand() -> Run:
+    return simulate("hand", duration=40.0, sensor_grade="mems")
+
+
+def changed(run: Run, *, t_ns=None, gyro=None, force=None, field_ns=None, field=None, magnetometer=True) -> Run:
+    imu, mag = run.imu, magnetometer_of(run)
+    t_ns = imu.t_ns if t_ns is None else t_ns
+    field_ns = mag.t_ns if field_ns is None else field_ns
+    readings = {
+        **imu.arrays,
+        "gyro": imu.gyro if gyro is None else gyro,
+        "specific_force": imu.specific_force if force is None else force,
+    }
+    sensors = {"imu": SensorArrays(t_ns, imu.arrival_ns, readings)}
+    if magnetometer:
+        sensors["magnetometer"] = SensorArrays(
+            field_ns, mag.arrival_ns, {"field": mag.field if field is None else field}
+        )
+    return replace(run, sensors=sensors)
+
+
+def magnetometer_of(run: Run) -> SensorArrays:
+    assert run.magnetometer is not None
+    return run.magnetometer
+
+
+def codes(found: Inspection) -> list[str]:
+    return [mistake.code for mistake in found.mistakes]
+
+
+def test_nothing_is_named_in_a_healthy_log(hand: Run) -> None:
+    found = inspect(hand)
+    assert found.passed
+    assert found.mistakes == ()
+    bias = found.sensors["gyro_bias"]
+    assert np.abs(np.array(bias.value) - hand.imu.gyro_bias.mean(axis=0)).max() < 0.005
+    assert found.sensors["gyro_resolution"].value == pytest.approx(np.radians(1.0) / 16.384, rel=1e-9)
+    assert found.sensors["imu_rate"].value == 100.0
+    east, north, up = np.array(hand.scenario.value("magnetic_field"), dtype=np.float64)
+    dips = [note.value for note in found.notes if note.code == "dip"]
+    assert dips == [pytest.approx(np.degrees(np.arctan2(-up, np.hypot(east, north))), abs=1.0)]
+    assert json.loads(json.dumps(found.to_dict()))["passed"]
+    assert np.array_equal(found.repaired().imu.gyro, hand.imu.gyro)
+
+
+def test_degrees_and_axes_at_once_are_named_and_undone(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    found = inspect(changed(hand, gyro=np.degrees(hand.imu.gyro), field=mag.field @ SWAPPED))
+    repairs = {mistake.code: mistake.repair for mistake in found.mistakes}
+    assert repairs == {"gyro_units": "× π/180", "magnetometer_axes": "y x -z"}
+    misfits = [(mistake.before or 0.0, mistake.after or 1.0) for mistake in found.mistakes]
+    assert all(before > 4.0 * after for before, after in misfits)
+    repaired = found.repaired()
+    assert np.allclose(repaired.imu.gyro, hand.imu.gyro, rtol=1e-12)
+    assert np.allclose(magnetometer_of(repaired).field, mag.field, rtol=1e-12)
+
+
+def test_g_and_a_late_magnetometer_at_once_are_named_and_undone(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    run = changed(hand, force=hand.imu.specific_force / GRAVITY, field_ns=mag.t_ns + 100_000_000)
+    found = inspect(run)
+    assert sorted(codes(found)) == ["accelerometer_units", "magnetometer_late"]
+    repaired = found.repaired()
+    assert np.allclose(repaired.imu.specific_force, hand.imu.specific_force, rtol=1e-12)
+    assert np.abs(magnetometer_of(repaired).t_ns - mag.t_ns).max() < 10e6
+    assert np.array_equal(magnetometer_of(repaired).field, mag.field)
+
+
+def test_hard_iron_is_a_note_with_its_value(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    iron = np.array([20e-6, -15e-6, 15e-6])
+    found = inspect(changed(hand, field=mag.field + iron))
+    assert found.passed
+    notes = [np.array(note.value) for note in found.notes if note.code == "hard_iron"]
+    own = 30e-6 * np.tan(np.radians(2.5)) * np.array([1.0, -1.0, 1.0])  # of the grade
+    assert np.linalg.norm(notes[0] - iron - own) < 2e-6
+
+
+def test_an_accelerometer_without_gravity_is_named(hand: Run) -> None:
+    turned = hand.attitude().at(hand.imu.t_ns[hand.imu.t_ns <= hand.t_ns[-1]])
+    x, y, z, w = turned.T
+    up = np.stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)], axis=1)
+    force = hand.imu.specific_force.copy()
+    force[: len(up)] -= GRAVITY * up
+    force[len(up) :] -= GRAVITY * up[-1]
+    assert codes(inspect(changed(hand, force=force))) == ["gravity_removed"]
+
+
+def test_a_mean_that_was_taken_off_is_put_back(hand: Run) -> None:
+    mean = hand.imu.specific_force.mean(axis=0)
+    found = inspect(changed(hand, force=hand.imu.specific_force - mean))
+    assert codes(found) == ["gravity_removed"]
+    assert np.abs(found.repaired().imu.specific_force - hand.imu.specific_force).max() < 0.5
+
+
+def test_two_sensors_do_not_tell_which_of_them_is_wrong(hand: Run) -> None:
+    """A gyro and an accelerometer alone: each axes of the one are axes of the other."""
+    found = inspect(changed(hand, force=hand.imu.specific_force @ SWAPPED, magnetometer=False))
+    (mistake,) = found.mistakes
+    assert {mistake.code, *mistake.or_else} == {"gyro_axes", "accelerometer_axes"}
+
+
+def test_zeros_in_the_stamps_are_named_and_filled_in(hand: Run) -> None:
+    t_ns = hand.imu.t_ns.copy()
+    t_ns[1000:1200] = 0
+    found = inspect(changed(hand, t_ns=t_ns))
+    assert codes(found) == ["stamps"]
+    assert np.array_equal(found.repaired().imu.t_ns, hand.imu.t_ns)
+
+
+def test_a_log_at_rest_names_nothing_and_tells_its_noise() -> None:
+    run = simulate(
+        duration=40.0,
+        sensor_grade="mems",
+        initial_body_rate=[0.0, 0.0, 0.0],
+        accelerometer_mode="pivot_gravity",
+        imu_rate=100.0,
+        magnetometer_rate=50.0,
+    )
+    found = inspect(run)
+    assert found.passed
+    undecided = {each.code for each in found.undecided}
+    assert {"accelerometer_axes", "magnetometer_axes"} <= undecided
+    density = found.sensors["gyro_noise_density"]
+    assert np.abs(np.subtract(density.value, np.radians(0.014))) < 4.0 * np.array(density.standard_error)
+    bias = found.sensors["gyro_bias"]
+    assert np.abs(np.array(bias.value) - run.imu.gyro_bias.mean(axis=0)).max() < 4.0 * np.max(bias.standard_error)
+
+
+def test_only_runs_are_inspected() -> None:
+    with pytest.raises(InputError, match="no Run"):
+        inspect("hand.csv")  # type: ignore[arg-type]
+
+
+def test_readings_that_tell_nothing_are_no_error(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    nothing = np.zeros_like(hand.imu.gyro)
+    without_time = changed(hand, t_ns=np.zeros_like(hand.imu.t_ns), field_ns=np.zeros_like(mag.t_ns))
+    assert codes(inspect(without_time)) == ["stamps", "stamps"]
+    assert inspect(changed(hand, gyro=nothing, force=nothing, field=np.zeros_like(mag.field))).passed
+    assert inspect(changed(hand, gyro=np.full_like(nothing, np.nan), magnetometer=False)).passed
+
+
+def test_a_magnetometer_of_another_clock_is_named_and_moved(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    found = inspect(changed(hand, field_ns=mag.t_ns + 10**18))
+    assert codes(found) == ["stamps"]
+    assert np.abs(magnetometer_of(found.repaired()).t_ns - mag.t_ns).max() < 10e6

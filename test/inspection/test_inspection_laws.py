@@ -1,0 +1,98 @@
+"""Laws of the parts of an inspection, against independent references."""
+
+from __future__ import annotations
+
+import allantools
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lie_rigid_body.inspection.constants import newton
+from lie_rigid_body.inspection.explanations import axes_repairs
+from lie_rigid_body.inspection.noise import allan, density
+from lie_rigid_body.inspection.rule import TURNS
+from lie_rigid_body.inspection.search import vertex
+from lie_rigid_body.inspection.world import Vector, World, fit_turns
+
+T_S = np.arange(6000) / 100.0
+RATE = np.stack([np.sin(0.7 * T_S), 1.3 * np.cos(1.1 * T_S), 0.8 * np.sin(0.4 * T_S + 1.0)], axis=1)
+RNG = np.random.default_rng(5)
+
+
+def constant_in_the_world(vector: np.ndarray, delay_s: float = 0.0) -> np.ndarray:
+    """Readings at T_S of a vector, by SciPy's rotations over steps of 1 ms."""
+    fine = np.arange(-1000, 61000) / 1000.0
+    middle = (fine[1:] + fine[:-1]) / 2.0
+    rates = np.stack([np.interp(middle, T_S, axis) for axis in RATE.T], axis=1)
+    attitude = np.eye(3)
+    found = []
+    matrices = Rotation.from_rotvec(rates * 1e-3).as_matrix()
+    for matrix in matrices:
+        found.append(attitude.T @ vector)
+        attitude = attitude @ matrix
+    index = np.clip(np.searchsorted(fine, T_S - delay_s), 0, len(found) - 1)
+    return np.array(found)[index]
+
+
+@pytest.fixture(scope="module")
+def readings() -> np.ndarray:
+    return constant_in_the_world(np.array([0.3, -0.2, 0.9]))
+
+
+@pytest.mark.parametrize("turn", [0, 7, 23])
+@pytest.mark.parametrize("bias", [0.0, 0.01])
+def test_the_turn_bias_and_offset_put_in_are_those_that_fit(readings: np.ndarray, turn: int, bias: float) -> None:
+    offset = np.array([0.1, 0.2, -0.1])
+    world = World.of_rate(T_S, RATE + bias)
+    vector = Vector.of_readings("magnetometer", T_S, readings @ TURNS[turn] + offset, 0.0)
+    fit = fit_turns(vector.blocks(world, 0.0).windows(2.0).gram()[0], 0.0)
+    assert fit.misfit.argmin() == turn
+    assert fit.misfit[turn] < 0.005
+    assert np.sort(fit.misfit)[1] > 0.1
+    assert np.allclose(TURNS[turn].T @ fit.constants[turn, 3:] * vector.size, offset, atol=0.003)
+    assert np.allclose(fit.constants[turn, :3], -bias, atol=0.0015)
+
+
+def test_chunks_add_up_to_the_whole(readings: np.ndarray) -> None:
+    blocks = Vector.of_readings("magnetometer", T_S, readings, 0.0).blocks(World.of_rate(T_S, RATE), 0.0)
+    windows = blocks.windows(2.0)
+    assert np.allclose(windows.gram(7).sum(axis=0), windows.gram()[0], rtol=1e-12, atol=1e-12)
+
+
+def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
+    """Each of three frames may be that of all: with equal turns of both vectors the gyro alone is wrong."""
+    repairs = axes_repairs(["accelerometer", "magnetometer"], 1, 5, [5, 5])
+    assert [repair.code for repair in repairs] == ["gyro_axes"]
+    assert [repair.code for repair in axes_repairs(["accelerometer", "magnetometer"], 1, 0, [5, 5])] == [
+        "accelerometer_axes",
+        "magnetometer_axes",
+    ]
+
+
+def test_newton_finds_the_minimum_of_a_parabola() -> None:
+    places = np.array([-1.0, 0.0, 1.0])
+    squares = [(place - 0.3) ** 2 * np.array([1.0, 1.0, 1.0]) + 1.0 for place in places]
+    found = newton(*squares)
+    assert found.step == pytest.approx(0.3)
+    assert found.sigma == pytest.approx(0.0, abs=1e-12)
+    assert vertex(places, (places - 0.3) ** 2) == pytest.approx(0.3)
+
+
+def test_the_allan_variance_is_that_of_allantools() -> None:
+    readings = RNG.normal(size=(4000, 1)) + np.cumsum(RNG.normal(size=(4000, 1)), axis=0) * 0.01
+    found = allan(readings, 0.01)
+    tau, deviation, *_ = allantools.oadev(readings[:, 0], rate=100.0, data_type="freq", taus=found.tau_s)
+    assert np.allclose(tau, found.tau_s)
+    assert np.allclose(np.sqrt(found.variance), deviation, rtol=1e-9)
+
+
+def test_densities_are_those_put_in_within_their_standard_errors() -> None:
+    """At most a tenth of sixty logs is off by more than two standard errors; a twentieth would be normal."""
+    white, walk = 0.02, 0.004
+    off = []
+    for _ in range(60):
+        steps = RNG.normal(size=(6000, 3))
+        readings = white * 10.0 * RNG.normal(size=(6000, 3)) + np.cumsum(walk * 0.1 * steps, axis=0)
+        found = density(allan(readings, 0.01))
+        off.append(abs(found.white - white) > 2.0 * found.white_sigma)
+    assert np.mean(off) <= 0.1
