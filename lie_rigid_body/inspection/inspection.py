@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.inspection.comparison import SensorComparison, compare
 from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
@@ -21,7 +22,7 @@ READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetome
 """Arrays of the readings of each sensor."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class Inspection:
     """What is wrong with the readings of a run, without its truth.
 

@@ -41,6 +41,7 @@ from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
 from lie_rigid_body.evaluation import cramer_rao_bound
 from lie_rigid_body.foundation import errors as errors_room
 from lie_rigid_body.foundation.wording import MAX_LINE
+from lie_rigid_body.inspection import Estimated, Inspection, LogMistake, LogNote, Undecided
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.description import describe
@@ -89,11 +90,24 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
     ]
     found += [mechanics.box(1.0, [0.1, 0.2, 0.3]), LOOP, *errors()]
     found += [*of_a_run(tmp_path_factory.mktemp("bags") / "run.mcap"), *of_a_score(), *of_the_league(), *of_a_group()]
+    found += of_an_inspection()
     if find_spec("flint"):
         from lie_rigid_body.proof import FlintMissingError, enclose
 
         found += [enclose([1.0, 2.0, 3.0], [0, 0, 0, 1], [0.01, 1.0, 0.01], 10**9), FlintMissingError("no flint")]
     return found
+
+
+def of_an_inspection() -> list[Any]:
+    run = simulate(duration=1.0, imu_rate=100.0)
+    parts: tuple[Any, ...] = (
+        LogMistake("gyro_units", "gyro", "a message" * 50, "× 0.01745", 10.0, 0.01),
+        Undecided("gyro_axes", "a message" * 50),
+        LogNote("noise", "a message" * 50, 1.0),
+        Estimated(1.0, 0.1),
+    )
+    mistake, undecided, note, estimated = parts
+    return [*parts, Inspection((mistake,), (undecided,), (note,), {"gyro_noise_density": estimated}, run, {}, {})]
 
 
 def errors() -> list[Exception]:
