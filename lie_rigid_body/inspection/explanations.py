@@ -105,7 +105,7 @@ class SensorExplanation:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What the rule chooses.
+    """Choice of the rule.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What an inspection says: mistakes, what is undecided, and notes."""
+"""Findings of an inspection: mistakes, what is undecided, and notes."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Estimated:
 
 @dataclass
 class Findings:
-    """What was found up to now."""
+    """Findings up to now."""
 
     mistakes: list[LogMistake] = field(default_factory=list)
     undecided: dict[str, Undecided] = field(default_factory=dict)

@@ -23,7 +23,7 @@ from lie_rigid_body.inspection.world import fit_turns
 
 
 class Weight(NamedTuple):
-    """What is constant of a vector under the hypothesis that fits it best.
+    """Constant part of a vector under the hypothesis that fits it best.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetome
 
 @short_dataclass(frozen=True, eq=False)
 class Inspection:
-    """What is wrong with the readings of a run, without its truth.
+    """Inspection of the readings of a run, without its truth.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is said of a comparison: mistakes, what is undecided, notes, and the changes that undo the mistakes."""
+"""Sentences about a comparison: mistakes, what is undecided, notes, and the changes that undo the mistakes."""
 
 from __future__ import annotations
 

@@ -254,7 +254,7 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
 
 
 def _noise(scenario: Scenario, aids: Sequence[VectorReadings | AttitudeReadings]) -> dict[str, Any]:
-    """What the bound has to know of the sensors."""
+    """Noise of the gyro and readings of the other sensors, as the bound takes them."""
     imu = scenario.sensors.imu
     return {
         "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
