@@ -95,20 +95,21 @@ class SegmentLaws:
             part = block[first : first + _BLOCK]
             elapsed_ns = part.stamps_ns - self._segment.start_ns
             exact = self._motion.at(elapsed_ns)
+            norm = quaternion.norm(part.states.attitude_xyzw)
+            unit = State.trusted(part.states.attitude_xyzw / norm[:, np.newaxis], part.states.body_rate)
+            self._is_exact &= same_bits(part.states.attitude_xyzw, exact.attitude_xyzw)
+            self._is_exact &= same_bits(part.states.body_rate, exact.body_rate)
             judged = (
-                *self._attitude_and_rate(part.states, exact, elapsed_ns),
+                *self._attitude_and_rate(unit, norm, exact, elapsed_ns),
                 *self._position_and_velocity(part, exact, elapsed_ns),
-                *(self._energy_and_momentum(part.states, elapsed_ns) if not self._slack else ()),
+                *(self._energy_and_momentum(unit, elapsed_ns) if not self._slack else ()),
             )
             for tally, (residuals, limits) in zip(self._tallies, judged, strict=True):
                 tally.add(residuals, limits, part.samples, part.stamps_ns)
 
-    def _attitude_and_rate(self, recorded: State, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
-        self._is_exact &= same_bits(recorded.attitude_xyzw, exact.attitude_xyzw)
-        self._is_exact &= same_bits(recorded.body_rate, exact.body_rate)
-        norm = quaternion.norm(recorded.attitude_xyzw)
-        unit = recorded.attitude_xyzw / norm[:, np.newaxis]
-        x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.T)
+    def _attitude_and_rate(self, recorded: State, norm: Array, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
+        """Attitude and rate, and the norm and the sign of the quaternions, which are recorded with that norm."""
+        x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, recorded.attitude_xyzw.T)
         angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
         angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
@@ -131,9 +132,7 @@ class SegmentLaws:
 
     def _energy_and_momentum(self, recorded: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Changes since the begin of each sample's arc."""
-        norm = quaternion.norm(recorded.attitude_xyzw)[:, np.newaxis]
-        states = State.trusted(recorded.attitude_xyzw / norm, recorded.body_rate)
-        changes = arc_changes(self._segment.scenario, elapsed_ns, states)
+        changes = arc_changes(self._segment.scenario, elapsed_ns, recorded)
         for name, (change, wanted) in zip(("energy", "momentum"), changes, strict=True):
             largest = self._largest_so_far(name, np.linalg.norm(wanted, axis=1))
             yield _relative(np.linalg.norm(change, axis=1), largest), np.inf

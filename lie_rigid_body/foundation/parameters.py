@@ -30,6 +30,11 @@ _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 """Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
 
 
+def decimal_ns(seconds: float) -> int:
+    """Round a time, s, to ns: that of its shortest decimal."""
+    return round(Decimal(repr(seconds)) * NS)
+
+
 def exact_duration(given: object, name: str, example: str, *, is_text: bool = False) -> Fraction:
     """A duration as the decimal number that was written, s.
 

@@ -114,8 +114,7 @@ def liveliest(gyro: Stream) -> tuple[int, int]:
 def _is_too_slow(streams: Sequence[Stream], rate: Array, factor: float) -> bool:
     """Whether the body turns too far between readings, at nine in ten."""
     fast = float(np.quantile(np.linalg.norm(rate, axis=1), 0.9)) * factor
-    step_s = max(float(np.median(np.diff(each.t_ns))) for each in streams) / 1e9
-    return bool(np.degrees(fast * step_s) > MAX_ROTATION_DEG)
+    return bool(np.degrees(fast * max(each.step_s for each in streams)) > MAX_ROTATION_DEG)
 
 
 def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorComparison | None:

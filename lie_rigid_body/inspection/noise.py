@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Booleans
+from lie_rigid_body.foundation.arrays import Array, Booleans, runs_of
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
     MAX_REST_COLOUR,
@@ -123,21 +123,19 @@ def _windows_at_rest(readings: Array, size: int, most: float) -> Booleans:
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
     count = len(gyro.t_ns)
-    step_s = float(np.median(np.diff(gyro.t_ns))) / 1e9 if count > 1 else 0.0
+    step_s = gyro.step_s if count > 1 else 0.0
     size = round(REST_WINDOW_S / step_s) if step_s else 0
     if not 2 * REST_PARTS <= size <= count or count != len(accelerometer.t_ns):
         return None
     at_rest = _windows_at_rest(gyro.readings, size, MAX_REST_RATE)
     at_rest &= _windows_at_rest(accelerometer.readings, size, np.inf)
-    edges = np.diff(np.concatenate([[0], at_rest, [0]]).astype(np.int64))
-    begins = np.flatnonzero(edges == 1)
-    ends = np.flatnonzero(edges == -1)
-    if not len(begins):
+    firsts, lasts = runs_of(0, at_rest)
+    if not len(firsts):
         return None
-    best = int((ends - begins).argmax())
-    if (ends[best] - begins[best]) * size * step_s < MIN_REST_S:
+    best = int((lasts - firsts).argmax())
+    if (lasts[best] + 1 - firsts[best]) * size * step_s < MIN_REST_S:
         return None
-    return int(gyro.t_ns[begins[best] * size]), int(gyro.t_ns[ends[best] * size - 1])
+    return int(gyro.t_ns[firsts[best] * size]), int(gyro.t_ns[(lasts[best] + 1) * size - 1])
 
 
 def tell_noise(streams: list[Stream], found: Findings) -> None:
@@ -154,7 +152,7 @@ def tell_noise(streams: list[Stream], found: Findings) -> None:
         return
     for stream in streams:
         still = stream.between(*rest)
-        step_s = float(np.median(np.diff(still.t_ns))) / 1e9 if len(still.t_ns) > 1 else np.inf
+        step_s = still.step_s if len(still.t_ns) > 1 else np.inf
         if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
             continue
         measured = allan(still.readings, step_s)

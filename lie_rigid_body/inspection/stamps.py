@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import interp1d
 
 from lie_rigid_body.evaluation.attitudes import longest_rising
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
     BURST_STEP,
@@ -53,6 +53,11 @@ class Stream:
 
     def __getitem__(self, rows: slice | Booleans) -> Stream:
         return replace(self, t_ns=self.t_ns[rows], readings=self.readings[rows])
+
+    @property
+    def step_s(self) -> float:
+        """Median time between readings, s, of two readings or more."""
+        return float(np.median(np.diff(self.t_ns))) / 1e9
 
     def between(self, begin_ns: int, end_ns: int) -> Stream:
         """Readings from one time on and up to another one, ns."""
@@ -159,13 +164,11 @@ def resolution(values: Array) -> float | None:
 def clipped_at(values: Array, step: float | None) -> float | None:
     """The largest value, if it is reached and left in at least two stretches as a range is; else None."""
     top = values.max()
-    edges = np.diff(np.concatenate([[0], values == top, [0]]).astype(np.int64))
-    begins = np.flatnonzero(edges == 1)
-    ends = np.flatnonzero(edges == -1)
-    is_long = ends - begins >= CLIPPED_READINGS
+    firsts, lasts = runs_of(0, values == top)
+    is_long = lasts - firsts + 1 >= CLIPPED_READINGS
     if is_long.sum() < 2:
         return None
-    beside = np.concatenate([np.maximum(begins[is_long] - 1, 0), np.minimum(ends[is_long], len(values) - 1)])
+    beside = np.concatenate([np.maximum(firsts[is_long] - 1, 0), np.minimum(lasts[is_long] + 1, len(values) - 1)])
     drop = float(np.median(top - values[beside]))
     least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0), ROUND_OFF)
     return float(top) if drop > least else None

@@ -9,7 +9,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal
 from typing import Final
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, decimal_ns
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.motion import Motion, states_at
@@ -28,11 +27,6 @@ MAX_KICKS: Final = 1000
 """Largest number of kicks in a list."""
 _MAX_TIME: Final = 2**62
 """Largest time of a kick or a period, ns."""
-
-
-def _nanoseconds(seconds: float) -> int:
-    """Round a time, s, to ns: that of its shortest decimal."""
-    return round(Decimal(repr(seconds)) * NS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +64,7 @@ class Kicks:
             If the times do not rise from above 0 to at most 4.6e9 s, or the period is not longer than the last one.
         """
         rows = np.array(numbers, dtype=np.float64).reshape(-1, KICK_NUMBERS)
-        times = [_nanoseconds(seconds) for seconds in rows[:, 0].tolist()]
+        times = [decimal_ns(seconds) for seconds in rows[:, 0].tolist()]
         for i, (before, after) in enumerate(zip([0, *times], times, strict=False)):
             if not before < after <= _MAX_TIME:
                 raise ParameterError(
@@ -78,7 +72,7 @@ class Kicks:
                     f"kick {i + 1} is at {rows[i, 0]:.15g} s: give a time above {before / NS:.15g} s, and at most "
                     f"{_MAX_TIME / NS:g} s",
                 )
-        period_ns = _nanoseconds(period)
+        period_ns = decimal_ns(period)
         if times and period and period_ns <= times[-1]:
             raise ParameterError(
                 "kick_period",

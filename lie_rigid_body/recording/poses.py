@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from decimal import Decimal
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, decimal_ns
 from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import POSE
@@ -50,7 +49,7 @@ def with_path(parameters: Mapping[str, object]) -> dict[str, object]:
     if values.get("path_knots") or not values.get("path_file"):
         return given
     try:
-        knots = read_poses(values["path_file"]).averaged(round(Decimal(repr(values["path_interval"])) * NS))
+        knots = read_poses(values["path_file"]).averaged(decimal_ns(values["path_interval"]))
     except InputError as error:
         raise ParameterError("path_file", str(error)) from None
     require_path(knots)
