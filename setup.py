@@ -30,6 +30,7 @@ ROS_NAMES = [
     f"explain = {NAME}.cli.explain:main",
     f"scenarios = {NAME}.cli.scenarios:main",
     f"campaign = {NAME}.cli.campaign:main",
+    f"inspect = {NAME}.cli.inspect:main",
     f"diagnose = {NAME}.cli.diagnose:main",
     f"league = {NAME}.cli.league:main",
 ]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:  # for type checkers and editors, in the form that exports a n
     from lie_rigid_body.foundation.errors import InputError as InputError
     from lie_rigid_body.foundation.errors import LieRigidBodyError as LieRigidBodyError
     from lie_rigid_body.foundation.errors import ParameterError as ParameterError
+    from lie_rigid_body.inspection import inspect as inspect
     from lie_rigid_body.mechanics import RigidBody as RigidBody
     from lie_rigid_body.mechanics import State as State
     from lie_rigid_body.motion import ClosedForm as ClosedForm
@@ -38,6 +39,7 @@ _NAMES = {
     "diagnosis": "diagnose",
     "evaluation": "ExactTruth Limits SampledTruth attitude_error evaluate",
     "foundation.errors": "BagError InputError LieRigidBodyError ParameterError",
+    "inspection": "inspect",
     "mechanics": "RigidBody State",
     "motion": "ClosedForm MovingChart describe",
     "runs": "Estimate Run simulate",

@@ -30,6 +30,7 @@ VERBS = {
     "explain": "tell what the mathematics says about a scenario",
     "scenarios": "list the scenarios that come with the package",
     "campaign": "record and certify many runs drawn at random",
+    "inspect": "say what is wrong with a log of sensors, without truth",
     "diagnose": "say what is wrong with an attitude filter, by repairing it",
     "league": "rank an attitude filter among known ones, over the same cases",
 }

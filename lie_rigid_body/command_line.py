@@ -185,6 +185,16 @@ WORKERS: Final = argument(
     "--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"
 )
 """Option of the verbs that work in several processes."""
+LOG_OPTIONS: Final = (
+    argument("--imu", metavar="TOPIC", help="of a bag with several: the topic of sensor_msgs/Imu"),
+    argument("--magnetometer", metavar="TOPIC", help="of a bag with several: the topic of MagneticField"),
+    argument(
+        "--columns",
+        metavar="FIELD=HEADER,...",
+        help="columns of other names, or their numbers from 1, perhaps with a unit: t=stamp:ms,gyro_x=2:deg/s",
+    ),
+)
+"""Options of the verbs that read a log."""
 TOPIC_OPTION: Final = argument(
     "--topic",
     metavar="NAME:=/TOPIC",
@@ -193,6 +203,23 @@ TOPIC_OPTION: Final = argument(
     help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
 )
 """Option that `topic_names` reads."""
+
+
+def columns_of(text: str | None) -> dict[str, str | int]:
+    """The columns of ``--columns`` by their fields; a whole number is that of a column.
+
+    Raises
+    ------
+    InputError
+        If a part is no assignment.
+    """
+    found: dict[str, str | int] = {}
+    for part in text.split(",") if text else ():
+        field, _, header = part.partition("=")
+        if not (field and header):
+            raise InputError(f"--columns {shown(part)}: not FIELD=HEADER; give for example --columns gyro_x=wx:deg/s")
+        found[field.strip()] = int(header) if header.isascii() and header.isdigit() else header.strip()
+    return found
 
 
 def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str, str]:

@@ -41,10 +41,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     "league": SCENARIO | {"estimates", "evaluation", "runs", "diagnosis"},
     "testing": SCENARIO | {"estimates", "evaluation", "runs", "report"},
     "command_line": {"scenario", "recording"},
-    "report": EDGE - {"report"} | {"diagnosis", "campaign", "league"},
-    "cli": EDGE | {"campaign", "diagnosis", "league"},
+    "report": EDGE - {"report"} | {"diagnosis", "campaign", "inspection", "league"},
+    "cli": EDGE | {"campaign", "diagnosis", "inspection", "league"},
     "ros": EDGE,
-    "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},
+    "": SCENARIO | {"simulation", "evaluation", "runs", "inspection", "diagnosis", "certificate", "campaign"},
     "__main__": {"report"},
 }
 FOR_ALL = {"foundation", "system"}

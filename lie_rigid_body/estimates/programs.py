@@ -154,7 +154,7 @@ class CommandEstimator(ProgramEstimator):
         require_run(run)
         with _file() as errors:
             try:
-                return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""]), errors))
+                return _attitudes(self._name, self._output("\n".join([*lines_of(run), ""]), errors))
             except InputError as error:
                 raise InputError(f"{error}{last_words(errors)}") from None
 
@@ -211,13 +211,19 @@ def _file() -> BinaryIO:
     return os.fdopen(os.memfd_create("estimator"), "w+b") if hasattr(os, "memfd_create") else tempfile.TemporaryFile()
 
 
-def _lines(run: Run) -> Iterator[str]:
-    """Readings of a run in the order of their stamps; those of one stamp share a line."""
+def lines_of(run: Run) -> Iterator[str]:
+    """Header, and readings of a run in the order of their stamps; those of one stamp share a line.
+
+    A sensor that the run has not leaves its columns empty.
+    """
+    yield HEADER
     imu = run.sensors.get("imu")
     magnetometer = run.magnetometer
+    of_imu = {}
     if imu is not None and imu.arrays["specific_force"] is None:
-        raise InputError("the run has no accelerometer, whose readings a program is given: give a log that has one")
-    of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
+        of_imu = {stamp: f"{text},,," for stamp, text in _texts(imu.t_ns, imu.gyro).items()}
+    elif imu is not None:
+        of_imu = _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
     of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
     for stamp in sorted({*of_imu, *of_field}):
         yield f"{stamp},{of_imu.get(stamp, ',,,,,')},{of_field.get(stamp, ',,')}"

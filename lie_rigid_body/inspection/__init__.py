@@ -7,12 +7,12 @@ A vector that is constant in the world obeys dv/dt = −ω × v in the body, so 
 - `world`: how constant a vector is in the world that the gyro integrates;
 - `search`: gyros, turns and delays; `explanations`: the few repairs that explain all sensors, and the rule;
 - `constants`: factor, delays, bias, hard and soft iron with standard errors; `gravity`: its size and unit;
-- `noise`: densities by the Allan deviation;
+- `noise`: densities by the Allan deviation; `against_truth`: the clock and the mounting of a truth;
 - `comparison`, `sentences`: these in order, and what is said; `findings`: what is said as data;
 - `inspection`: the whole, and the run with its mistakes undone.
 """
 
-from lie_rigid_body.inspection.findings import Estimated, LogMistake, LogNote, Undecided
+from lie_rigid_body.inspection.findings import Estimated, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.inspection.inspection import Inspection, inspect
 
-__all__ = ["Estimated", "Inspection", "LogMistake", "LogNote", "Undecided", "inspect"]
+__all__ = ["Estimated", "Inspection", "LogMistake", "LogNote", "Mark", "Undecided", "inspect"]

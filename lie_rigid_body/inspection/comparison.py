@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.inspection.constants import Constants, Delay, Placed, constants_of, refine
 from lie_rigid_body.inspection.explanations import Judgement, explanations, judged
-from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.inspection.findings import Findings, Mark
 from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
@@ -128,6 +128,7 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
     found : Findings
     """
     begin_ns, end_ns = liveliest(gyro)
+    found.marks.append(Mark("", "compared", begin_ns, end_ns))
     streams = [each.between(begin_ns, end_ns) for each in (gyro, *others)]
     origin_s = begin_ns // 10**9
     averaged = [each.averaged(VECTOR_HZ if i else GYRO_HZ) for i, each in enumerate(streams)]

@@ -87,6 +87,25 @@ class Estimated:
     standard_error: Numbers
 
 
+@short_dataclass(frozen=True)
+class Mark:
+    """Stretch of time of a sensor, or of all.
+
+    Attributes
+    ----------
+    sensor : str
+        A sensor, ``imu``, or empty for all.
+    text : str
+        ``rest``, ``compared``, or what is broken.
+    begin_ns, end_ns : int
+    """
+
+    sensor: str
+    text: str
+    begin_ns: int
+    end_ns: int
+
+
 @dataclass
 class Findings:
     """Findings up to now."""
@@ -95,6 +114,7 @@ class Findings:
     undecided: dict[str, Undecided] = field(default_factory=dict)
     notes: list[LogNote] = field(default_factory=list)
     sensors: dict[str, Estimated] = field(default_factory=dict)
+    marks: list[Mark] = field(default_factory=list)
 
     def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
         """Add a mistake; ``more`` are fields of `LogMistake`."""

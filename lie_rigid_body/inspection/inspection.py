@@ -4,26 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.evaluation import SampledTruth
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.showing import Shown, report
+from lie_rigid_body.inspection.against_truth import AgainstTruth, report_truth
 from lie_rigid_body.inspection.comparison import SensorComparison, compare
-from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Undecided
+from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
 from lie_rigid_body.inspection.sentences import Change, Changes, tell, tell_field_unit
 from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
 
 READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Arrays of the readings of each sensor."""
+_OF_TIMES: Final = ("rates", "_late", "_mounting")
+"""Ends of the codes of notes that are of the log as it is; others are of the repaired readings."""
 
 
 @short_dataclass(frozen=True, eq=False)
-class Inspection:
+class Inspection(Shown):
     """Inspection of the readings of a run, without its truth.
 
     Attributes
@@ -36,6 +43,10 @@ class Inspection:
         Parameters of the simulator's sensors with which they are like these.
     run : Run
         The run that was inspected.
+    marks : tuple of Mark
+        Stretches of time: the rest, the one that was compared, and what is broken.
+    stamps : mapping of str to ndarray of int64
+        Stamps of the IMU and the magnetometer, repaired where they were broken, ns.
     """
 
     mistakes: tuple[LogMistake, ...]
@@ -43,8 +54,14 @@ class Inspection:
     notes: tuple[LogNote, ...]
     sensors: Mapping[str, Estimated]
     run: Run
-    _stamps: Mapping[str, Integers]
+    marks: tuple[Mark, ...]
+    stamps: Mapping[str, Integers]
     _changes: Mapping[str, Change]
+    _truth: AgainstTruth | None = None
+
+    def __str__(self) -> str:
+        """What ``inspect`` prints."""
+        return str(report("inspections").as_text(self))
 
     @property
     def passed(self) -> bool:
@@ -70,10 +87,10 @@ class Inspection:
         """
         sensors = dict(self.run.sensors)
         for sensor, name in READINGS.items():
-            key = _key(sensor)
-            if key in self._stamps:
+            key = sensor_key(sensor)
+            if key in self.stamps:
                 change = self._changes[sensor]
-                t_ns = self._stamps[key]
+                t_ns = self.stamps[key]
                 readings = (getattr(sensors[key], name) - change.offset) @ change.matrix.T
                 if key == sensor:
                     t_ns = t_ns - round(change.delay_s * 1e9)
@@ -82,44 +99,69 @@ class Inspection:
                     later = since + change.delay_s * 1e9
                     readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
                 sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
-        return replace(self.run, sensors=sensors)
+        run = replace(self.run, sensors=sensors)
+        known = self.run.given_truth
+        if known is None or self._truth is None or not any(each.sensor == "truth" for each in self.mistakes):
+            return run
+        t_ns = known.stamps_ns - round(self._truth.late_s * 1e9)
+        return run.with_truth(
+            SampledTruth(t_ns, quaternion.multiply(known.at(known.stamps_ns), self._truth.mounting_xyzw))
+        )
 
 
-def _key(sensor: str) -> str:
+def sensor_key(sensor: str) -> str:
     """Key among the sensors of a run of the one that has these readings."""
     return sensor if sensor == "magnetometer" else "imu"
 
 
-def inspect(run: Run) -> Inspection:
-    """Find what is wrong with the readings of a run, by their stamps and by each other.
+def inspect(run: Run | str | Path) -> Inspection:
+    """Find what is wrong with the readings of a run or a log, by their stamps and by each other.
 
     Parameters
     ----------
-    run : Run
-        Simulated, from a bag, or of anybody's sensors. Its truth is not used.
+    run : Run, str or Path
+        A run: simulated, from a bag, or of anybody's sensors. Or the file of a log, as of `Run.from_log`. A truth that
+        was given beside a log is compared with the gyro.
 
     Returns
     -------
     Inspection
+        Parameters of the sensors are those of the repaired readings.
 
     Raises
     ------
-    InputError
-        If it is no run, or has no IMU.
+    InputError, BagError
+        If it is neither, cannot be read, or has no IMU.
     """
+    if isinstance(run, str | Path):
+        run = Run.from_log(run)
     require_run(run)
+    found = _inspected(run)
+    if all(change.is_none for change in found._changes.values()):
+        return found
+    again = _inspected(found.repaired())
+    late = {name: each for name, each in found.sensors.items() if name.endswith("_clock_offset")}
+    notes = [
+        *(note for note in found.notes if note.code.endswith(_OF_TIMES)),
+        *(note for note in again.notes if not note.code.endswith(_OF_TIMES)),
+    ]
+    broken = [mark for mark in found.marks if mark.text == "stamps"]
+    return replace(found, notes=tuple(notes), sensors={**again.sensors, **late}, marks=(*again.marks, *broken))
+
+
+def _inspected(run: Run) -> Inspection:
     found = Findings()
     changes: Changes = {sensor: Change.none() for sensor in READINGS}
     stamps = _stamps(run, found)
     streams = {
-        sensor: Stream.of(sensor, stamps[_key(sensor)], getattr(run.sensors[_key(sensor)], name))
+        sensor: Stream.of(sensor, stamps[sensor_key(sensor)], getattr(run.sensors[sensor_key(sensor)], name))
         for sensor, name in READINGS.items()
-        if _key(sensor) in stamps
+        if sensor_key(sensor) in stamps and getattr(run.sensors[sensor_key(sensor)], name) is not None
     }
     for key, t_ns in stamps.items():
         found.estimate(f"{key}_rate", float(f"{1e9 / np.median(np.diff(t_ns)):.7g}"))
-    if "imu" in stamps:
-        tell_noise(list(streams.values()), found)
+    if "accelerometer" in streams:
+        tell_noise(list(streams.values()), _declared(run), found)
     streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
     for stream in streams.values():
         tell_values(stream, found)
@@ -132,15 +174,26 @@ def inspect(run: Run) -> Inspection:
         tell(comparison, found, changes)
     if "magnetometer" in streams:
         tell_field_unit(_field(streams["magnetometer"], comparison), found, changes)
+    truth = None
+    if run.given_truth is not None and "gyro" in streams:
+        truth = report_truth(found, changes["gyro"].applied(streams["gyro"]), run.given_truth)
     return Inspection(
         tuple(found.mistakes),
         tuple(found.undecided.values()),
         tuple(found.notes),
         found.sensors,
         run,
+        tuple(found.marks),
         stamps,
         changes,
+        truth,
     )
+
+
+def _declared(run: Run) -> dict[str, Array]:
+    """Median variances that a bag declares, by their sensors, (unit of the readings)²."""
+    given = {} if run.log is None else run.log.sensors
+    return {name: np.median(each.variance, axis=0) for name, each in given.items() if each.variance is not None}
 
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:

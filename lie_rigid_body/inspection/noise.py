@@ -8,15 +8,18 @@ noise of variance r²/12, which is taken off.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, runs_of
-from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.foundation.wording import numerals
+from lie_rigid_body.inspection.findings import Findings, Mark
 from lie_rigid_body.inspection.rule import (
     MAX_REST_COLOUR,
     MAX_REST_RATE,
+    MAX_VARIANCE_RATIO,
     MIN_ALLAN_CYCLES,
     MIN_ALLAN_S,
     MIN_REST_S,
@@ -138,20 +141,40 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     return int(gyro.t_ns[firsts[best] * size]), int(gyro.t_ns[(lasts[best] + 1) * size - 1])
 
 
-def tell_noise(streams: list[Stream], found: Findings) -> None:
+def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
+    """Name declared variances that the scatter at rest contradicts; rounding scatters as well."""
+    rounding = (resolution(still.readings.ravel()) or 0.0) ** 2 / 12.0
+    scatter = np.maximum(still.readings.var(axis=0), rounding)
+    known = (declared > 0.0) & (scatter > 0.0)
+    ratios = scatter[known] / declared[known]
+    if not ratios.size or np.abs(np.log(ratios)).max() <= np.log(MAX_VARIANCE_RATIO):
+        return
+    text = f"the {still.sensor} declares variances of ({numerals(declared)}), and scatters by ({numerals(scatter)})"
+    repair = ", ".join(f"{value:.3g}" for value in scatter)
+    found.name("covariance", still.sensor, f"{text} at rest", f"variances of {repair}")
+
+
+def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Findings) -> None:
     """Tell the noise of all sensors, and the gyro's bias, in the longest rest.
 
     Parameters
     ----------
     streams : list of Stream
         Gyro, accelerometer, and perhaps a magnetometer.
+    declared : mapping of str to ndarray, shape (3,)
+        Declared variances of sensors, (unit of the readings)².
     found : Findings
     """
     rest = longest_rest(*streams[:2])
     if rest is None:
+        for sensor in declared:
+            found.ask("covariance", f"the {sensor} declares a variance, and never rests")
         return
+    found.marks.append(Mark("", "rest", *rest))
     for stream in streams:
         still = stream.between(*rest)
+        if stream.sensor in declared:
+            _judge_variance(still, declared[stream.sensor], found)
         step_s = still.step_s if len(still.t_ns) > 1 else np.inf
         if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
             continue

@@ -206,3 +206,15 @@ OCTAVES_SHARED: Final = 2.0
 """Factor of the variances of fitted densities, as octaves share readings: errors are 1.4 to 1.5 times those without."""
 MIN_ALLAN_CYCLES: Final = 5.0
 """Least duration of rest over the longest averaging time."""
+MAX_VARIANCE_RATIO: Final = 4.0
+"""Ratio of a declared variance and the scatter at rest from which they contradict each other."""
+
+# --- against a truth -------------------------------------------------------------------------------------------------
+TRUTH_STEP: Final = 0.5
+"""Rotation in the short times over which gyro and truth are compared, rad: it outweighs the noise of cameras."""
+MAX_TRUTH_STEPS: Final = 2000
+"""Largest number of such times."""
+MAX_TRUTH_MISFIT: Final = 0.5
+"""Misfit of their rotations, as a share, above which a truth is not that of the gyro."""
+MIN_TRUTH_MOUNTING: Final = float(np.radians(2.0))
+"""Least angle between the axes of the gyro and of the truth's body that is a mistake, rad."""

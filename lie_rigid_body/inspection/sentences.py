@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     Gyro,
 )
+from lie_rigid_body.inspection.stamps import Stream
 
 _MEANINGS = {
     "gyro_axes": "the gyro's axes are not those of the other sensors",
@@ -67,6 +68,16 @@ class Change:
     def none(cls) -> Change:
         """A change of nothing."""
         return cls(np.eye(3), np.zeros(3))
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing is changed."""
+        return not self.delay_s and not self.offset.any() and np.array_equal(self.matrix, np.eye(3))
+
+    def applied(self, stream: Stream) -> Stream:
+        """Readings at the times when they were true."""
+        t_ns = stream.t_ns - round(self.delay_s * 1e9)
+        return replace(stream, t_ns=t_ns, readings=(stream.readings - self.offset) @ self.matrix.T)
 
 
 Changes = dict[str, Change]
@@ -102,6 +113,8 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     dip = -np.degrees(np.arcsin(np.mean(np.sum(means[0][:count] * means[1][:count], axis=1))))
     text = f"the field points {dip:.1f}° below the horizontal, if both signs are right: does this fit the place?"
     found.note("dip", text, dip)
+    size = comparison.vectors[-1].constants.size
+    found.estimate("magnetic_field", size * np.array([0.0, np.cos(np.radians(dip)), -np.sin(np.radians(dip))]))
 
 
 def _tell_axes(comparison: SensorComparison, found: Findings, changes: Changes) -> None:
@@ -192,6 +205,8 @@ def _tell_delays(comparison: SensorComparison, found: Findings, changes: Changes
         _name_late("gyro", -mean, (), comparison, found, changes)
     for each in comparison.vectors:
         delay = each.delay
+        if each in late and each.sensor == "magnetometer":
+            found.estimate("magnetometer_clock_offset", delay.delay_s, delay.sigma_s)
         others = [other.delay for other in comparison.vectors if other is not each]
         if each in late and not alike:
             unseen = len(late) == 1 and all(abs(o.delay_s - delay.delay_s) < o.unseen_s for o in others)
@@ -279,9 +294,10 @@ def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
     """Tell the bias of the gyro's readings that the vector with the least misfit shows, unless rest has told it."""
     best = min((each.constants for each in comparison.vectors), key=lambda constants: constants.misfit)
     bias = -best.rate_bias / comparison.gyro.multiplier
-    found.note("gyro_bias", f"the gyro has a bias of ({numerals(np.degrees(bias))}) °/s", bias)
     if "gyro_bias" not in found.sensors:
         found.estimate("gyro_bias", bias, best.rate_bias_sigma / comparison.gyro.factor)
+    shown = found.sensors["gyro_bias"].value
+    found.note("gyro_bias", f"the gyro has a bias of ({numerals(np.degrees(shown))}) °/s", shown)
 
 
 def tell_field_unit(size: float, found: Findings, changes: Changes) -> None:

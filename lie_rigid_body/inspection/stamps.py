@@ -10,7 +10,8 @@ from scipy.interpolate import interp1d
 
 from lie_rigid_body.evaluation.attitudes import longest_rising
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
-from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.foundation.wording import counted
+from lie_rigid_body.inspection.findings import Findings, Mark
 from lie_rigid_body.inspection.rule import (
     BURST_STEP,
     CLIPPED_DROP,
@@ -94,7 +95,11 @@ def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found:
     if len(kept) < 2:
         return np.linspace(*span_ns, len(t_ns)).astype(np.int64)
     line = interp1d(kept, t_ns[kept] - t_ns[kept[0]], fill_value="extrapolate")
-    return np.asarray(t_ns[kept[0]] + np.round(line(np.arange(len(t_ns)))).astype(np.int64))
+    even = np.asarray(t_ns[kept[0]] + np.round(line(np.arange(len(t_ns)))).astype(np.int64))
+    firsts, lasts = runs_of(0, ~np.isin(np.arange(len(t_ns)), kept))
+    found.marks += [Mark(sensor, "stamps", int(even[i]), int(even[j])) for i, j in zip(firsts, lasts, strict=True)]
+    _tell_gaps(sensor, even, found)
+    return even
 
 
 def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
@@ -105,7 +110,9 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
     if (steps < 0).any():
         zeros = int(np.sum(t_ns[1:] == 0))
         rest = np.flatnonzero(t_ns) if zeros else np.arange(len(t_ns))
-        text = f"are 0 {zeros} times" if zeros else f"go back {np.sum(steps < 0)} times"
+        text = (
+            f"are 0 in {counted(zeros, 'reading')}" if zeros else f"go back {counted(int(np.sum(steps < 0)), 'time')}"
+        )
         return text, rest[longest_rising(t_ns[rest])]
     ends = np.array([0, len(steps)])
     if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
@@ -118,13 +125,13 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
 def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     steps = np.diff(t_ns)
     median = float(np.median(steps))
-    gaps = steps[steps > GAP_STEP * median]
+    before = np.flatnonzero(steps > GAP_STEP * median)
+    gaps = steps[before]
+    found.marks += [Mark(sensor, "gap", int(t_ns[i]), int(t_ns[i + 1])) for i in before]
     if len(gaps):
         lost = round(float(np.sum(gaps / median - 1.0)))
-        text = (
-            f"{len(gaps)} gaps of up to {gaps.max() / 1e9:.3g} s in the {sensor}, in which {lost} readings are missing"
-        )
-        found.name("gaps", sensor, text)
+        text = f"{counted(len(gaps), 'gap')} of up to {gaps.max() / 1e9:.3g} s in the {sensor}"
+        found.name("gaps", sensor, f"{text}, in which {counted(lost, 'reading')} are missing")
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:

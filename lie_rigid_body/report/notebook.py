@@ -5,12 +5,13 @@ from __future__ import annotations
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.evaluation.score import Score
-from lie_rigid_body.report import certificates, filters, scores
+from lie_rigid_body.inspection import Inspection
+from lie_rigid_body.report import certificates, filters, inspections, scores
 from lie_rigid_body.report.answer import Part, Sentences, Table, as_html
 from lie_rigid_body.runs import Run
 
 
-def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
+def html(result: Score | Certificate | FilterDiagnosis | Inspection | Run) -> str:
     """HTML of a result."""
     match result:
         case Score():
@@ -19,6 +20,8 @@ def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
             parts = certificates.parts(result)
         case FilterDiagnosis():
             parts = filters.parts_of_diagnosis(result)
+        case Inspection():
+            parts = inspections.parts_of_inspection(result)
         case Run():
             parts = _of_run(result)
     return "".join(as_html(parts, pictures=False))

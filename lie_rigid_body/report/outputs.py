@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from lie_rigid_body.command_line import require_suffix
@@ -15,23 +16,31 @@ from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system import console
 from lie_rigid_body.system.output_file import require_other, require_room, write_file
 
-_SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap"}
+_SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap", "parameters": ".yaml"}
 
 
 def require_outputs(
-    outputs: Mapping[str, str | None], inputs: Iterable[str | Path], *, overwrite: bool, with_figures: bool = False
+    outputs: Mapping[str, str | None],
+    inputs: Iterable[str | Path],
+    *,
+    overwrite: bool,
+    with_figures: bool = False,
+    suffixes: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Refuse files before the work that are of another kind, inputs, one file, or could not be written after it.
 
     Parameters
     ----------
     outputs : mapping of str to str or None
-        Files by the names of their options: ``report``, ``plot`` or ``out``; None where it is not wanted.
+        Files by the names of their options: ``report``, ``plot``, ``parameters`` or ``out``; None where one is not
+        wanted.
     inputs : iterable of str or Path
     overwrite : bool
         Whether existing files are replaced.
     with_figures : bool, optional
         Whether plotly draws some of them, and has to be installed.
+    suffixes : mapping of str to str, optional
+        Endings of the files of a verb that are not the usual ones.
 
     Raises
     ------
@@ -39,7 +48,7 @@ def require_outputs(
     """
     wanted = {name: path for name, path in outputs.items() if path is not None}
     for name, path in wanted.items():
-        require_suffix(f"--{name}", path, _SUFFIXES[name])
+        require_suffix(f"--{name}", path, (_SUFFIXES | dict(suffixes))[name])
     if wanted and with_figures and not find_spec("plotly"):
         raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
     paths = [*wanted.values()]

@@ -309,11 +309,19 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     @classmethod
     def _of_log(cls, log: Log, given: GivenTruth) -> Run:
         sensors = sensors_of(log)
+        run = cls(sensors[IMU].t_ns, _NO_STATE, sensors, (), log=log)
         known = truth_of(log, given)
-        if known is None:
-            return cls(sensors[IMU].t_ns, _NO_STATE, sensors, (), log=log)
+        return run if known is None else run.with_truth(known)
+
+    @property
+    def given_truth(self) -> SampledTruth | None:
+        """Truth that was given beside a log; None without, and of a simulated run."""
+        return self._known
+
+    def with_truth(self, known: SampledTruth) -> Run:
+        """The run of a log beside another truth, whose stamps are then those of the run."""
         t_ns = known.stamps_ns
-        return cls(t_ns, State(*known.states(t_ns)), sensors, (), log=log, _known=known)
+        return replace(self, t_ns=t_ns, truth=State(*known.states(t_ns)), _known=known)
 
     def with_sensors(self, file: str | Path | Mapping[str, object]) -> Run:
         """A run of a log whose sensors are declared, so that it has a bound.

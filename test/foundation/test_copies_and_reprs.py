@@ -41,7 +41,7 @@ from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
 from lie_rigid_body.evaluation import cramer_rao_bound
 from lie_rigid_body.foundation import errors as errors_room
 from lie_rigid_body.foundation.wording import MAX_LINE
-from lie_rigid_body.inspection import Estimated, Inspection, LogMistake, LogNote, Undecided
+from lie_rigid_body.inspection import Estimated, Inspection, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.description import describe
@@ -105,9 +105,13 @@ def of_an_inspection() -> list[Any]:
         Undecided("gyro_axes", "a message" * 50),
         LogNote("noise", "a message" * 50, 1.0),
         Estimated(1.0, 0.1),
+        Mark("imu", "rest", 0, 1),
     )
-    mistake, undecided, note, estimated = parts
-    return [*parts, Inspection((mistake,), (undecided,), (note,), {"gyro_noise_density": estimated}, run, {}, {})]
+    mistake, undecided, note, estimated, mark = parts
+    return [
+        *parts,
+        Inspection((mistake,), (undecided,), (note,), {"gyro_noise_density": estimated}, run, (mark,), {}, {}),
+    ]
 
 
 def errors() -> list[Exception]:

@@ -147,9 +147,11 @@ def test_a_log_at_rest_names_nothing_and_tells_its_noise() -> None:
     assert np.abs(np.array(bias.value) - run.imu.gyro_bias.mean(axis=0)).max() < 4.0 * np.max(bias.standard_error)
 
 
-def test_only_runs_are_inspected() -> None:
+def test_only_runs_and_files_are_inspected() -> None:
     with pytest.raises(InputError, match="no Run"):
-        inspect("hand.csv")  # type: ignore[arg-type]
+        inspect(7)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="No such file"):
+        inspect("nowhere.csv")
 
 
 def test_readings_that_tell_nothing_are_no_error(hand: Run) -> None:

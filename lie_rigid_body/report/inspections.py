@@ -1,0 +1,243 @@
+"""Answers about a log of sensors: what is wrong with it, parameters of the simulator, and the repaired readings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from lie_rigid_body.estimates.programs import lines_of
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.wording import counted
+from lie_rigid_body.inspection import Estimated, Inspection
+from lie_rigid_body.inspection.inspection import READINGS, sensor_key
+from lie_rigid_body.inspection.noise import allan, density
+from lie_rigid_body.report import answer, html_page
+from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
+from lie_rigid_body.report.recorded_motion import extremes
+from lie_rigid_body.runs import Run
+from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_NARROW: Final = 5.0
+"""Width, inches, up to which a figure is for the screen of a phone: its panels are one below the other."""
+_SHADES: Final = {
+    "rest": (BLUE, 0.15, "at rest"),
+    "compared": (GREY, 0.10, "stretch that was compared"),
+}
+_BROKEN: Final = (RED, 0.25, "broken stamps, or a gap")
+"""Shades of stretches of time by the texts of their marks, and that of others: colour, opacity and label."""
+_UNITS: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "magnetometer": "T"}
+_HEADINGS: Final = ("mistake", "sensor", "repair", "misfit before", "after", "or else")
+_SHOWN: Final = {
+    "imu": ("rate",),
+    "gyro": ("noise_density", "bias_random_walk", "turn_on_bias", "resolution", "range"),
+    "accelerometer": ("noise_density", "bias_random_walk", "resolution", "range"),
+    "magnetic": ("field",),
+    "magnetometer": ("rate", "noise_density", "hard_iron", "soft_iron", "resolution", "range", "clock_offset"),
+}
+"""Parameters that a log may show: sensors, and the ends of the names."""
+
+
+def parts_of_inspection(found: Inspection) -> list[Part]:
+    """Answer about what is wrong with a log."""
+    log = found.run.log
+    rows = [
+        (m.code, m.sensor, m.repair, _share(m.before), _share(m.after), ", ".join(m.or_else)) for m in found.mistakes
+    ]
+    return [
+        Sentences(() if log is None else log.taken),
+        Conclusion([_headline(found), *(_sentence(m.message) for m in found.mistakes)], found.passed),
+        Table(_HEADINGS, rows, "Mistakes"),
+        Sentences([f"{each.code}: {each.message}" for each in found.undecided], "Not decided by this log"),
+        Sentences([f"{each.code}: {each.message}" for each in found.notes], "Notes"),
+        Table(
+            ("parameter", "value", "standard error"),
+            [
+                (name, _numerals(each.value, 4), _numerals(each.standard_error, 2))
+                for name, each in found.sensors.items()
+            ],
+            "Parameters of the sensors, repaired",
+        ),
+        *(Picture(partial(html_page.picture, partial(draw, found))) for draw in _pictures(found)),
+    ]
+
+
+def as_text(found: Inspection) -> str:
+    """Lines of an inspection, for a terminal."""
+    return answer.as_text(parts_of_inspection(found))
+
+
+def _headline(found: Inspection) -> str:
+    named = f"{counted(len(found.mistakes), 'mistake')} found" if found.mistakes else "No mistake found"
+    return f"{named}; {counted(len(found.undecided), 'code')} not decided by this log."
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def _share(misfit: float | None) -> str:
+    return "" if misfit is None else f"{misfit:.2g}"
+
+
+def _numerals(value: float | tuple[float, ...], digits: int) -> str:
+    return ", ".join(f"{each:.{digits}g}" for each in np.atleast_1d(value))
+
+
+def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
+    """Parameter file with which the simulator's sensors are like those of a log.
+
+    Parameters
+    ----------
+    sensors : mapping of str to Estimated
+        What an inspection has estimated.
+    name : str
+        Of the log.
+    """
+    told = dict(sensors)
+    bias = told.pop("gyro_bias", None)
+    if bias is not None:  # the simulator draws one by its standard deviation
+        told["gyro_turn_on_bias"] = Estimated(float(np.sqrt(np.mean(np.square(bias.value)))), 0.0)
+    lines = [
+        f"# Sensors as in {name}, by 'lie-rigid-body inspect'. What the log does not show is a comment.",
+        "/**:",
+        f"  {PARAMETERS_KEY}:",
+    ]
+    for parameter in (f"{sensor}_{end}" for sensor, ends in _SHOWN.items() for end in ends):
+        found = told.pop(parameter, None)
+        lines.append(f"    # {parameter}: not shown" if found is None else f"    {parameter}: {_yaml(found)}")
+    others = {"gyro_bias": bias, **told}
+    lines += [f"    # no parameter, but {what}: {_yaml(found)}" for what, found in others.items() if found is not None]
+    return "\n".join([*lines, ""]).encode()
+
+
+def _yaml(found: Estimated) -> str:
+    """Value, and its standard error as a comment; all digits where there is none."""
+    values = np.atleast_1d(found.value).tolist()
+    errors = np.atleast_1d(found.standard_error).tolist()
+    if any(errors):
+        values = [float(f"{value:.6g}") for value in values]
+    text = str(values if isinstance(found.value, tuple) else values[0])
+    return f"{text}  # ± {', '.join(f'{error:.2g}' for error in errors)}" if any(errors) else text
+
+
+def csv_of(run: Run) -> bytes:
+    """Readings as a CSV that `Run.from_log` reads, with all digits."""
+    return "\n".join([*lines_of(run), ""]).encode()
+
+
+def _pictures(found: Inspection) -> Iterator[Any]:
+    yield _draw_readings
+    if any(name.endswith("_noise_density") for name in found.sensors):
+        yield _draw_allan
+    if "magnetometer_hard_iron" in found.sensors:
+        yield _draw_field
+
+
+def _draw_readings(found: Inspection, width: float) -> Figure:
+    """The readings over time, the rest, the stretch that was compared, and what is broken."""
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Rectangle
+
+    there = [sensor for sensor in _UNITS if sensor_key(sensor) in found.run.sensors]
+    there = [sensor for sensor in there if _readings(found.run, sensor) is not None]
+    figure = Figure(figsize=(width, 1.0 + 1.9 * len(there)), layout="constrained")
+    begin_ns = min(int(found.run.sensors[sensor_key(sensor)].t_ns.min()) for sensor in there)
+    for sensor, axes in zip(there, np.ravel(figure.subplots(len(there), sharex=True)), strict=True):
+        t_s = (found.stamps[sensor_key(sensor)] - begin_ns) / 1e9 if sensor_key(sensor) in found.stamps else None
+        _draw_axes(axes, t_s, _readings(found.run, sensor))
+        for mark in found.marks:
+            if mark.sensor in (sensor, sensor_key(sensor), ""):
+                colour, alpha, _ = _SHADES.get(mark.text, _BROKEN)
+                axes.axvspan(*((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns)), color=colour, alpha=alpha)
+        codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, sensor_key(sensor))]
+        axes.set_ylabel(f"{sensor} [{'?' if f'{sensor}_units' in codes else _UNITS[sensor]}]")
+        axes.set_title(", ".join(codes), loc="left", fontsize=9, color=RED)
+        axes.grid(alpha=0.3)
+    axes.set_xlabel("time [s]")
+    shades = [*_SHADES.values(), _BROKEN]
+    figure.legend(
+        [Rectangle((0.0, 0.0), 1.0, 1.0, color=colour, alpha=alpha) for colour, alpha, _ in shades],
+        [label for *_, label in shades],
+        loc="outside lower center",
+        ncols=3 if width > _NARROW else 1,
+        frameon=False,
+    )
+    return figure
+
+
+def _readings(run: Run, sensor: str) -> Array | None:
+    values: Array | None = getattr(run.sensors[sensor_key(sensor)], READINGS[sensor])
+    return values
+
+
+def _draw_axes(axes: Axes, t_s: Array | None, readings: Array | None) -> None:
+    assert readings is not None
+    times = np.arange(len(readings), dtype=np.float64) if t_s is None else t_s
+    for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
+        kept = extremes(times, values, 1000)
+        axes.plot(times[kept], values[kept], color=colour, lw=0.8, label=name)
+    axes.margins(x=0.0)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
+
+
+def _side_by_side(width: float, count: int) -> tuple[Figure, Iterable[Axes]]:
+    """Figure of some panels, one below the other where it is narrow."""
+    from matplotlib.figure import Figure
+
+    narrow = width <= _NARROW
+    figure = Figure(figsize=(width, 3.6 * count if narrow else 3.9), layout="constrained")
+    return figure, np.ravel(figure.subplots(*((count, 1) if narrow else (1, count))))
+
+
+def _draw_allan(found: Inspection, width: float) -> Figure:
+    """The Allan deviation at rest, with the fit of white noise and a random walk."""
+    (rest,) = (mark for mark in found.marks if mark.text == "rest")
+    told = [sensor for sensor in _UNITS if f"{sensor}_noise_density" in found.sensors]
+    figure, panels = _side_by_side(width, len(told))
+    repaired = found.repaired()
+    for sensor, axes in zip(told, panels, strict=True):
+        arrays = repaired.sensors[sensor_key(sensor)]
+        still = (found.stamps[sensor_key(sensor)] >= rest.begin_ns) & (found.stamps[sensor_key(sensor)] <= rest.end_ns)
+        readings = getattr(arrays, READINGS[sensor])[still]
+        measured = allan(readings, float(np.median(np.diff(arrays.t_ns))) / 1e9)
+        fitted = density(measured)
+        axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
+        model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
+        axes.loglog(measured.tau_s, model, color=ORANGE, label="white noise and random walk")
+        axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{_UNITS[sensor]}]", title=sensor)
+        axes.xaxis.set_minor_formatter("")
+        axes.grid(alpha=0.3, which="both")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def _draw_field(found: Inspection, width: float) -> Figure:
+    """Readings of the magnetometer on each pair of axes, before and after hard and soft iron are taken off."""
+    field = np.asarray(_readings(found.repaired(), "magnetometer"))
+    iron = np.asarray(found.sensors["magnetometer_hard_iron"].value)
+    soft = found.sensors.get("magnetometer_soft_iron")
+    matrix = np.eye(3) if soft is None else np.linalg.inv(np.reshape(soft.value, (3, 3)))
+    after = (field - iron) @ matrix.T
+    radius = float(np.median(np.linalg.norm(after, axis=1))) * 1e6
+    circle = radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 200))
+    largest = max(radius, float(np.abs(field).max()) * 1e6)
+    rows = slice(None, None, max(len(field) // 3000, 1))
+    figure, panels = _side_by_side(width, 3)
+    for (i, j), axes in zip(((0, 1), (1, 2), (2, 0)), panels, strict=True):
+        axes.plot(circle.real, circle.imag, color=BLACK, lw=0.8, label="size of the field")
+        for points, colour, label in ((field, ORANGE, "before"), (after, BLUE, "after")):
+            axes.plot(*points[rows][:, [i, j]].T * 1e6, ".", color=colour, ms=2, label=label)
+        limits = (-1.1 * largest, 1.1 * largest)
+        axes.set(xlabel=f"{'xyz'[i]} [µT]", ylabel=f"{'xyz'[j]} [µT]", aspect="equal", xlim=limits, ylim=limits)
+        axes.grid(alpha=0.3)
+    handles = axes.get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False, markerscale=4)
+    return figure
