@@ -185,6 +185,26 @@ WORKERS: Final = argument(
     "--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"
 )
 """Option of the verbs that work in several processes."""
+ESTIMATOR: Final = (
+    argument(
+        "estimator",
+        metavar="ESTIMATOR",
+        nargs="?",
+        help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
+    ),
+    argument(
+        "--command",
+        metavar="PROGRAM",
+        help="in its place: a program that reads readings as CSV and prints attitudes, t_ns,x,y,z,w",
+    ),
+    argument(
+        "--node",
+        metavar="COMMAND",
+        help="in its place: a ROS 2 node that hears imu/data_raw and imu/mag and publishes attitudes on imu/data; one "
+        "process a run, in lock-step",
+    ),
+)
+"""Arguments that give an estimator, which `cli.diagnose.given_estimator` reads."""
 LOG_OPTIONS: Final = (
     argument("--imu", metavar="TOPIC", help="of a bag with several: the topic of sensor_msgs/Imu"),
     argument("--magnetometer", metavar="TOPIC", help="of a bag with several: the topic of MagneticField"),

@@ -6,34 +6,14 @@ A filter is a function, a program that reads and writes CSV, or a ROS 2 node.
 from __future__ import annotations
 
 import argparse
-from typing import Any, Final
+from typing import Any
 
-from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
+from lie_rigid_body.command_line import ESTIMATOR, FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MAX_RUNS, MAX_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, ProgramEstimator, words
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system import console
-
-ESTIMATOR: Final = (
-    argument(
-        "estimator",
-        metavar="ESTIMATOR",
-        nargs="?",
-        help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
-    ),
-    argument(
-        "--command",
-        metavar="PROGRAM",
-        help="in its place: a program that reads readings as CSV and prints attitudes, t_ns,x,y,z,w",
-    ),
-    argument(
-        "--node",
-        metavar="COMMAND",
-        help="in its place: a ROS 2 node that hears imu/data_raw and imu/mag and publishes attitudes on imu/data; one "
-        "process a run, in lock-step",
-    ),
-)
 
 
 def given_estimator(given: argparse.Namespace) -> tuple[str, ProgramEstimator | str | None]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from lie_rigid_body.cli.diagnose import ESTIMATOR, given_estimator, named_by
-from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
+from lie_rigid_body.cli.diagnose import given_estimator, named_by
+from lie_rigid_body.command_line import ESTIMATOR, FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 from lie_rigid_body.system import console
 

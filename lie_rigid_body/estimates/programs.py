@@ -26,13 +26,11 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, printable, shown
-from lie_rigid_body.messages.batch import ReadingEncoder
 from lie_rigid_body.messages.decoding import Frames
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
+from lie_rigid_body.runs.bag_of_run import encoded_readings
 from lie_rigid_body.runs.run import Run, require_run
-from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
-from lie_rigid_body.simulation import SensorSamples
 from lie_rigid_body.system.bounded_input import real
 from lie_rigid_body.system.interpreters import Interpreter, guarded
 from lie_rigid_body.system.output_file import reason
@@ -55,6 +53,8 @@ ATTITUDE_TOPIC: Final = "imu/data"
 _BEGIN_NS: Final = 1_767_225_600 * 10**9
 """Time added to the stamps of a run, ns: the year 2026. A stamp of 0 means that there is no time yet, and a node that
 keeps seconds in single precision errs at stamps of today only."""
+_FIRST_DAY_NS: Final = 946_684_800 * 10**9
+"""First stamp, ns, that is taken for a time of day: the year 2000."""
 _GRACE_S: Final = 1.0
 """Time that a player has beyond that of its run, s."""
 
@@ -296,6 +296,8 @@ class NodeEstimator(ProgramEstimator):
             If it cannot be started, ends, hears no IMU, publishes no attitude of the body, or leaves a reading without
             an answer.
         """
+        require_run(run)
+        run = run.declared()
         answered = self._played(readings_of(run))
         try:
             found = attitudes_of(*answered)
@@ -305,7 +307,7 @@ class NodeEstimator(ProgramEstimator):
         stamps, first = np.unique(track.stamps_ns, return_index=True)  # of two answers to a reading the first
         P = track.covariance
         told = None if P is None or not P[first].any(axis=(1, 2)).all() else P[first]
-        return Estimate(track.attitude_xyzw[first], stamps - _BEGIN_NS, told)
+        return Estimate(track.attitude_xyzw[first], stamps - _later_ns(run), told)
 
     def _played(self, readings: tuple[Reading, ...]) -> Answered:
         player = Interpreter()
@@ -354,12 +356,14 @@ def readings_of(run: Run) -> tuple[Reading, ...]:
     return tuple(sorted(_readings(run), key=lambda reading: (reading.arrival_ns, reading.sensor == IMU_SENSOR.name)))
 
 
+def _later_ns(run: Run) -> int:
+    """Time that is added to the stamps of a run, ns: none to those of a log that are times of day."""
+    return 0 if int(run.imu.t_ns[0]) >= _FIRST_DAY_NS else _BEGIN_NS
+
+
 def _readings(run: Run) -> Iterator[Reading]:
-    for name, model in run.scenario.sensors.on.items():
-        if arrays := run.sensors.get(SENSORS[name].key):
-            encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
-            stamps = arrays.t_ns + _BEGIN_NS
-            arrival = arrays.arrival_ns + _BEGIN_NS
-            told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
-            payloads = encoder.encode(SensorSamples(arrival, stamps, np.zeros(len(stamps), dtype=np.bool_), told))
-            yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)
+    later_ns = _later_ns(run)
+    for sensor, arrays, payloads in encoded_readings(run.sensors, run.scenario, later_ns):  # the others tell the truth
+        stamps = arrays.t_ns + later_ns
+        arrival = arrays.arrival_ns + later_ns
+        yield from map(Reading, arrival.tolist(), [sensor.name] * len(stamps), stamps.tolist(), payloads)

@@ -26,6 +26,7 @@ from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, STRING, TF_
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic
+from lie_rigid_body.recording.poses import is_bag, stamped_poses
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_discovery import SCENARIO, given_track, told_topics
 from lie_rigid_body.recording.topic_messages import (
@@ -45,6 +46,8 @@ TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 TRUTH: Final = "truth"
 """Name of a topic that tells the truth, of either type."""
+TRAJECTORY: Final = "trajectory"
+"""Type of the attitudes of a text file."""
 _STAMPED: Final = {IMU, MAGNETIC_FIELD, TWIST_STAMPED}
 _OF_NODE: Final = tuple(f"/{name}" for name in (TWIST, *SENSOR_TOPICS))
 _TYPES: Final[dict[str, Sequence[str]]] = {POSE: ATTITUDE_TYPES, SCENARIO: (STRING,)}
@@ -129,11 +132,11 @@ def recorded_estimate(
     Parameters
     ----------
     bag : str or Path
-        An MCAP file, or a rosbag2 folder of them.
+        An MCAP file, or a rosbag2 folder of them; or a trajectory in a text file, which is the truth then.
     topic : str
-        Of the estimate, of one of `ATTITUDE_TYPES`.
+        Of the estimate, of one of `ATTITUDE_TYPES`; or a file with a trajectory.
     truth_bag : str or Path, optional
-        The bag with the truth, if it is another one.
+        The bag or the trajectory with the truth, if it is another one.
     topics : mapping of str to str, optional
         What `TRUE_TOPICS` are called, by these names, or the topic of either type, as `TRUTH`. Others are found by
         their last names.
@@ -153,31 +156,88 @@ def recorded_estimate(
     InputError
         If an attitude is not finite, or zero.
     """
+    if Path(topic).is_file() or not is_bag(bag):
+        return _of_files(Path(bag), topic, truth_bag, topics, progress)
     # other writers than ROS leave the slash out
     path = Path(bag)
     names = (topic, f"/{topic.lstrip('/')}")
     contents = BagFiles(path, progress).contents(partial(_is_kept, (*names, *topics.values())))
     topic = names[topic not in {track.topic for track in contents.tracks.values()}]
     own = path, contents, topic
-    if truth_bag is not None:
-        own = Path(truth_bag), BagFiles(truth_bag, progress).contents(partial(_is_kept, (*topics.values(),))), ""
-    motion = _true_motion(*own, topics, near=topic)
-    track = read_attitudes(path, contents, topic, motion.frames)
-    ordered, left_out = scorable(track)
-    if len(left_out[UNUSABLE]):
-        unit("estimate", track.attitude_xyzw)  # refuses them
-    told = notes_on_left_out(left_out, len(ordered), "estimates")
-    if motion.poses is None:
-        motion.require_same_clock(int(ordered.stamps_ns[0]), _last_of_node(*own[:2]))
-    notes = (*motion.notes_on(ordered), *(f"{note}." for note in told))
-    truth = motion.until(int(ordered.stamps_ns[-1]))
-    read = RecordedEstimate(ordered, motion, truth, notes, len(left_out[DISORDERED]))
+    if truth_bag is None:
+        motion = _true_motion(*own, topics, near=topic)
+        last_ns = _last_of_node(path, contents)
+    else:
+        motion, last_ns = _motion_of(Path(truth_bag), topics, progress, near=topic)
+    read = _beside(motion, last_ns, read_attitudes(path, contents, topic, motion.frames))
     biases = min(
         (track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS_SUFFIX}" and track.count),
         key=lambda track: track.message_type != VECTOR3_STAMPED,
         default=None,
     )
     return read if biases is None else _with_bias(read, path, contents, biases, truth_bag or path)
+
+
+def _of_files(
+    path: Path,
+    estimate: str,
+    truth_bag: str | Path | None,
+    topics: Mapping[str, str],
+    progress: Callable[[int], object],
+) -> RecordedEstimate:
+    """An estimate in a trajectory, beside the truth of another one, or of a bag."""
+    if not Path(estimate).is_file():
+        raise InputError(f"{estimate} is no file, and {path} no bag with topics: give a trajectory by --estimate FILE")
+    motion, last_ns = _motion_of(Path(truth_bag or path), topics, progress)
+    return _beside(motion, last_ns, _trajectory(Path(estimate)))
+
+
+def _motion_of(
+    path: Path, topics: Mapping[str, str], progress: Callable[[int], object], near: str = ""
+) -> tuple[TrueMotion, int | None]:
+    """The truth of a bag or a trajectory alone, and the last stamp of a node's messages in it, ns."""
+    if not is_bag(path):
+        return TrueMotion((), _trajectory(path)), None
+    contents = BagFiles(path, progress).contents(partial(_is_kept, (*topics.values(),)))
+    return _true_motion(path, contents, "", topics, near), _last_of_node(path, contents)
+
+
+def _trajectory(path: Path) -> AttitudeTrack:
+    """The attitudes of a file of poses, as those of a topic that is called like the file."""
+    times, poses = stamped_poses(path)
+    stamps = np.array(times, dtype=np.int64)
+    return AttitudeTrack(f"{path}", TRAJECTORY, stamps, np.zeros_like(stamps), poses[:, 3:], None, "")
+
+
+def _beside(motion: TrueMotion, last_ns: int | None, track: AttitudeTrack) -> RecordedEstimate:
+    """An estimate beside the truth, and notes; see `TrueMotion.require_same_clock` about the last stamp."""
+    ordered, left_out = scorable(track)
+    if len(left_out[UNUSABLE]):
+        unit("estimate", track.attitude_xyzw)  # refuses them
+    told = notes_on_left_out(left_out, len(ordered), "estimates")
+    if motion.poses is None:
+        motion.require_same_clock(int(ordered.stamps_ns[0]), last_ns)
+    notes = (*motion.notes_on(ordered), *(f"{note}." for note in told))
+    truth = motion.until(int(ordered.stamps_ns[-1]))
+    return RecordedEstimate(ordered, motion, truth, notes, len(left_out[DISORDERED]))
+
+
+def estimate_of_run(name: str, estimate: Estimate, run: Run) -> RecordedEstimate:
+    """An estimate of a run, as that of a topic that is called like its estimator.
+
+    Parameters
+    ----------
+    name : str
+    estimate : Estimate
+        With stamps.
+    run : Run
+        With a truth.
+    """
+    covariance = None if estimate.covariance is None else estimate.rotation_covariance()
+    stamps = np.asarray(estimate.t_ns)
+    track = AttitudeTrack(name, "", stamps, np.zeros_like(stamps), estimate.attitude_xyzw, covariance, "")
+    known = AttitudeTrack("", "", run.t_ns, np.zeros_like(run.t_ns), run.truth.attitude_xyzw, None, "")
+    return RecordedEstimate(track, TrueMotion(run.segments, known), run.attitude())
 
 
 def _with_bias(

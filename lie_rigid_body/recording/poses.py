@@ -88,10 +88,7 @@ def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int]
     BagError
         If it is a bag that cannot be read.
     """
-    from lie_rigid_body.recording.bag_files import SUFFIXES  # a node without a path needs nothing that reads bags
-
-    is_bag = Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
-    times, poses = _of_bag(Path(path), topic) if is_bag else _of_text(path)
+    times, poses = _of_bag(Path(path), topic) if is_bag(path) else _of_text(path)
     lengths = quaternion.norm(poses[:, 3:])
     faults = {
         "has a number that is not finite: give finite ones": ~np.isfinite(poses).all(axis=1),
@@ -101,6 +98,13 @@ def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int]
     }
     refuse_first(f"{path}", "pose", np.array([(time - times[0]) / NS for time in times]), faults)
     return times, np.column_stack([poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis]])
+
+
+def is_bag(path: str | Path) -> bool:
+    """Whether a path is that of a bag, and not of a text file."""
+    from lie_rigid_body.recording.bag_files import SUFFIXES  # a node without a path needs nothing that reads bags
+
+    return Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
 
 
 def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:

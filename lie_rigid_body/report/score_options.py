@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body.command_line import TOPIC_OPTION, Parser, argument, file_name, split_ros_arguments
+from lie_rigid_body.command_line import (
+    ESTIMATOR,
+    LOG_OPTIONS,
+    TOPIC_OPTION,
+    Parser,
+    argument,
+    file_name,
+    split_ros_arguments,
+)
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.system import console
@@ -17,7 +25,16 @@ if TYPE_CHECKING:
     from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
     from lie_rigid_body.evaluation import Score
 
-_OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth", "out": ""}
+_OF_AN_ESTIMATOR: Final = ("estimator", "command", "node")
+_OF_A_LOG: Final = ("imu", "magnetometer", "columns")
+_OF_A_BAG: Final = {
+    "run": "run",
+    "estimate": "estimate",
+    "truth": "truth",
+    "topic": "truth",
+    "out": "",
+    **dict.fromkeys((*_OF_AN_ESTIMATOR, *_OF_A_LOG), ""),
+}
 """Options that go with a bag, each with the topic that one remaps without a bag, if there is one."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
 _EPILOG: Final = """
@@ -31,22 +48,25 @@ _ARGUMENTS: Final = (
         metavar="RUN",
         type=file_name,
         nargs="?",
-        help="an MCAP file, or a folder that 'ros2 bag record' made",
+        help="an MCAP file, or a folder that 'ros2 bag record' made; a trajectory, which is the truth: TUM, EuRoC or "
+        "t_ns,x,y,z,w; or a log of sensors, with an ESTIMATOR",
     ),
+    *ESTIMATOR,
     argument(
         "--estimate",
-        metavar="TOPIC",
+        metavar="TOPIC|FILE",
         action="append",
-        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry, TransformStamped or "
-        "TFMessage; several are compared",
+        help="a trajectory, or a topic of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, "
+        "Odometry, TransformStamped or TFMessage; several are compared",
     ),
     argument(
         "--truth",
         metavar="TOPIC|FILE",
         type=file_name,
-        help="the topic of the truth in RUN, of the same types, or the bag that has the truth",
+        help="the topic of the truth in RUN, of the same types, or the bag or the trajectory that has the truth",
     ),
     TOPIC_OPTION,
+    *LOG_OPTIONS,
     argument("--json", action="store_true", help="print the score for programs"),
     argument("--series", action="store_true", help="with --json: also the errors of every sample"),
     argument("--plot", metavar="OUT.png", type=file_name, help="draw the errors over time"),
@@ -115,8 +135,14 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         if getattr(given, name) not in (None, []):
             remedy = f"remap the topic, --ros-args -r {remapped}:=TOPIC" if remapped and live else "leave it out"
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
-    if not live and given.estimate is None:
-        parser.error("the following arguments are required: --estimate")
+    estimators = [name for name in _OF_AN_ESTIMATOR if getattr(given, name) is not None]
+    if not live and bool(given.estimate) == bool(estimators):
+        parser.error("give either --estimate, or an estimator: MODULE:FUNCTION, --command or --node")
+    of_log = [f"--{name}" for name in _OF_A_LOG if getattr(given, name) is not None]
+    if of_log and not estimators:
+        raise InputError(f"{listed(of_log)}: they choose readings of a log for an estimator: give one")
+    if estimators and given.topic:
+        raise InputError("--topic goes only with --estimate: name the truth of a log by --truth")
     if given.estimate and len({topic.lstrip("/") for topic in given.estimate}) < len(given.estimate):
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
     given.truth_topic = None if given.truth is None or Path(given.truth).exists() else given.truth
@@ -132,14 +158,21 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 def require_room(given: argparse.Namespace) -> None:
     """Refuse outputs before the work, of arguments as `parse` gives them; see `report.outputs.require_outputs`."""
     from lie_rigid_body.recording.bag_files import files_of
+    from lie_rigid_body.recording.poses import is_bag
     from lie_rigid_body.report.outputs import require_outputs
 
-    bags = filter(None, (given.run, given.truth))
+    read = [*filter(None, (given.run, given.truth)), *(each for each in given.estimate or () if Path(each).is_file())]
+    inputs = [file for path in read for file in (files_of(path) if is_bag(path) else [path])]
     outputs = {"plot": given.plot, "report": given.report, "out": given.out}
-    require_outputs(outputs, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
+    require_outputs(outputs, inputs, overwrite=given.force)
 
 
-def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
+def answer(
+    given: argparse.Namespace,
+    source: str,
+    scored: Sequence[tuple[RecordedEstimate, Score]],
+    write_out: Callable[[], None] | None = None,
+) -> int:
     """Write and print what is asked for.
 
     Parameters
@@ -149,6 +182,8 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     source : str
         Of the estimates: a bag, or empty for topics.
     scored : sequence of (RecordedEstimate, Score)
+    write_out : callable, optional
+        Writes ``--out``; by default the run of the bag beside the estimates.
 
     Returns
     -------
@@ -174,7 +209,8 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
         content = partial(scores.as_json, source or None, read, score, series=given.series)
     status = emit(
         {
-            given.out: partial(write_scored, given.out, truth, scored, given.covariance_axes, overwrite=given.force),
+            given.out: write_out
+            or partial(write_scored, given.out, truth, scored, given.covariance_axes, overwrite=given.force),
             given.plot: lambda: drawing.png(draw),
             given.report: lambda: as_page(title, parts),
         },

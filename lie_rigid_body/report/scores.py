@@ -102,7 +102,7 @@ def _cells(read: RecordedEstimate, score: Score) -> list[str]:
         *(in_degrees(angle.rms) for angle in (score.total_deg, score.heading_deg, score.inclination_deg)),
         in_degrees(score.total_deg.p95),
         "never" if converged is None else f"{converged:.3g} s",
-        "" if lag is None else f"{lag:+.2g} s",
+        "" if lag is None else f"{round(lag, 9):+.2g} s",
         "" if score.consistency is None else f"{score.consistency.mean:.3g}",
         "" if score.gyro_bias_rad_s is None else f"{score.gyro_bias_rad_s.rms:.2g} rad/s",
         " ".join(finding.code for finding in score.findings),
@@ -224,7 +224,11 @@ def json_of_several(bag: str, scored: Scored, *, series: bool) -> dict[str, obje
 
 def extent(read: RecordedEstimate | None, score: Score) -> str:
     """Sentence that says what was compared with what; without an estimate that was read for one in arrays."""
-    kind = "" if read is None else f" of type {read.track.message_type.replace('/msg/', '/')}"
+    kind = (
+        ""
+        if read is None or not read.track.message_type
+        else f" of type {read.track.message_type.replace('/msg/', '/')}"
+    )
     source = "" if read is None else f" ({read.motion.source})"
     first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds
     left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""

@@ -21,15 +21,18 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.messages.batch import SENSOR_TOPICS, BatchEncoder, Messages
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.messages.batch import SENSOR_TOPICS, Batch, BatchEncoder, Messages, ReadingEncoder
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED, places
-from lie_rigid_body.messages.layout import Layout, header
+from lie_rigid_body.messages.layout import Layout, Payloads, header
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.bag_writer import POSE_TOPIC, SCENARIO_TOPIC, TWIST_TOPIC, BagWriter
 from lie_rigid_body.recording.records import CUT_OFF, REWRITTEN
 from lie_rigid_body.recording.segments import declared_segments
+from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import SOFTWARE, Segment, SimulationStep
+from lie_rigid_body.sensors import SENSORS, Sensor
+from lie_rigid_body.simulation import SOFTWARE, Samples, Segment, SensorSamples, SimulationStep
 
 OWN_TOPICS: Final = frozenset(
     {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
@@ -73,6 +76,57 @@ def write_bag(
             batch = BatchEncoder(segment.scenario).encode(taken)
             others = (messages.between(begin, end) for messages, _ in beside)
             bag.write(replace(batch, topics=(*batch.topics, *others)))
+
+
+def write_log(
+    path: str | Path,
+    scenario: Scenario,
+    truth: Samples | None,
+    sensors: Mapping[str, SensorArrays],
+    beside: Sequence[tuple[Messages, str]],
+    *,
+    overwrite: bool,
+) -> None:
+    """Write the readings of a log, its truth where there is one, and messages of other topics; see `Run.to_bag`.
+
+    Parameters
+    ----------
+    path : str or Path
+    scenario : Scenario
+        Names the frames.
+    truth : Samples or None
+    sensors : mapping of str to SensorArrays
+    beside : sequence of (Messages, str)
+        Other messages, with their types, of full topic names.
+    overwrite : bool
+        Replace an existing file.
+    """
+    poses = [] if truth is None else [*BatchEncoder(scenario).encode(SimulationStep(truth, {}, ())).topics]
+    readings = [
+        Messages(sensor.topics[0].name, np.maximum(arrays.arrival_ns, 0), payloads)
+        for sensor, arrays, payloads in encoded_readings(sensors, scenario)
+    ]
+    others = {messages.topic: kind for messages, kind in beside}
+    topics = (*poses, *readings, *(messages for messages, _ in beside))
+    with BagWriter(path, stamped_twist=True, overwrite=overwrite, end=None, others=others) as bag:
+        bag.write(Batch(Samples(np.empty(0, dtype=np.int64), State(np.empty((0, 4)), np.empty((0, 3)))), topics))
+
+
+def encoded_readings(
+    sensors: Mapping[str, SensorArrays], scenario: Scenario, later_ns: int = 0
+) -> Iterator[tuple[Sensor, SensorArrays, Payloads]]:
+    """Sensors that are on, with their readings as arrays and as messages, whose stamps are later by a time, ns."""
+    for name, model in scenario.sensors.on.items():
+        if arrays := sensors.get(SENSORS[name].key):
+            encoder = ReadingEncoder(SENSORS[name].topics[0], model, scenario)
+            told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
+            if any(values is None for values in told.values()):
+                raise InputError(
+                    "the run has no accelerometer, which a message of an IMU holds: give a log that has one"
+                )
+            held = np.zeros(len(arrays.t_ns), dtype=np.bool_)
+            samples = SensorSamples(arrays.arrival_ns + later_ns, arrays.t_ns + later_ns, held, told)
+            yield SENSORS[name], arrays, encoder.encode(samples)
 
 
 def messages_beside(

@@ -41,7 +41,7 @@ class BlindScenario(Scenario):
         """Scenario as a filter may know it, with those of the withheld parameters that it is given."""
         withheld = {*WITHHELD}.difference(given)
         told = {name: value for name, value in scenario.parameters().items() if name not in withheld}
-        if scenario.motion == "path" and "initial_attitude_xyzw" in told:
+        if scenario.parameters().get("motion") == "path" and "initial_attitude_xyzw" in told:
             told["initial_attitude_xyzw"] = tuple(scenario.start().attitude_xyzw.tolist())
         known = Scenario.from_parameters(told)
         blind = object.__new__(cls)

@@ -32,7 +32,7 @@ from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_
 from lie_rigid_body.recording.logs import Log, read_log
 from lie_rigid_body.recording.samples import samples_in_memory
 from lie_rigid_body.recording.topic_discovery import require_topics
-from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
+from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag, write_log
 from lie_rigid_body.runs.blind_scenario import BlindScenario
 from lie_rigid_body.runs.bound import MAX_BOUNDED, THINNED, bound_of_readings, cramer_rao_bound_of, sensor_limits
 from lie_rigid_body.runs.own_readings import GivenTruth, declared_sensors, log_of_arrays, sensors_of, truth_of
@@ -340,6 +340,10 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             raise InputError("a simulated run declares its sensors itself: give simulate other parameters")
         return replace(self, _declared=declared_sensors(file, self.sensors))
 
+    def declared(self) -> Run:
+        """The run, whose sensors are taken for perfect ones where it is that of a log without declared noise."""
+        return self if self.log is None or self._declared is not None else self.with_sensors({})
+
     @property
     def scenario(self) -> Scenario:
         """The scenario of the run; of a run with resets the first, of a log its declared sensors without a motion."""
@@ -362,7 +366,8 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         What a recorder heard of a running node stays its recording. The new bag names the recorder as well, claims no
         samples before its first and after its last. It is certified by the same laws as the old one. Messages are
         logged at their stamps there, and the scenarios are in the words of the old bag, with the software's version.
-        Biases of readings that the old one lacks are left out.
+        Biases of readings that the old one lacks are left out. Of a log the bag has no scenario, but the readings, and
+        the poses of its truth.
 
         Parameters
         ----------
@@ -385,10 +390,14 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
             not.
         """
-        self._require_simulated("no scenario, which a bag holds: keep the log itself")
         given = {} if estimates is None else estimates
         scored = {} if scores is None else scores
-        beside = messages_beside(given, scored, self.scenario, self.stamped)
+        scenario = self.declared()._declared or self.scenario
+        beside = messages_beside(given, scored, scenario, self.stamped)
+        if self.log is not None:
+            truth = None if self._known is None else Samples(self.t_ns, self.truth)
+            write_log(path, scenario, truth, self.sensors, beside, overwrite=overwrite)
+            return
         write_bag(path, self.segments, self._recording, self._within, beside, overwrite=overwrite)
 
     def to_dataframe(self) -> DataFrame:
@@ -423,6 +432,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         """
         from lie_rigid_body.certificate import certify
 
+        self._require_simulated("no scenario, by which it would be certified")
         if self._recording is not None:
             return certify(self._recording, inertia)
         with TemporaryDirectory() as folder:

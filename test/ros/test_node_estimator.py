@@ -234,3 +234,19 @@ def test_a_node_is_diagnosed(run):
     assert not {"converges", "long_run"} & {probe.code for probe in found.probes}
     assert len(found.remarks) > 0
     assert os.environ.get("ROS_DOMAIN_ID") is not None
+
+
+def test_a_log_is_played_to_a_node_with_its_own_stamps_twice_the_same(tmp_path: Path) -> None:
+    """A log of this year: its stamps are times of day already."""
+    true = simulated(imu_rate=100.0, magnetometer_rate=100.0)
+    assert true.magnetometer is not None
+    today_ns = 1_790_000_000 * 10**9
+    field = (true.magnetometer.t_ns + today_ns, true.magnetometer.field)
+    log = Run.from_arrays(true.imu.t_ns + today_ns, true.imu.gyro, true.imu.specific_force, field)
+    estimator = NodeEstimator(EXAMPLE, 60.0)
+    first, second = estimator(log), estimator(log)
+    assert first.t_ns is not None
+    assert set(first.t_ns.tolist()) <= set(log.imu.t_ns.tolist())
+    assert np.array_equal(first.attitude_xyzw, second.attitude_xyzw)
+    simulated_answer = estimator(BlindRun.without_truth(true))
+    assert np.array_equal(first.attitude_xyzw, simulated_answer.attitude_xyzw)
