@@ -12,6 +12,7 @@ from lie_rigid_body.estimates.programs import lines_of
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.inspection import Estimated, Inspection
+from lie_rigid_body.inspection.findings import HOW
 from lie_rigid_body.inspection.inspection import READINGS, sensor_key
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
@@ -33,6 +34,7 @@ _SHADES: Final = {
 }
 _BROKEN: Final = (RED, 0.25, "broken stamps, or a gap")
 """Shades of stretches of time by the texts of their marks, and that of others: colour, opacity and label."""
+_HOW: Final = f": {HOW}"
 _UNITS: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "magnetometer": "T"}
 _HEADINGS: Final = ("mistake", "sensor", "repair", "misfit before", "after", "or else")
 _SHOWN: Final = {
@@ -55,7 +57,10 @@ def parts_of_inspection(found: Inspection) -> list[Part]:
         Sentences(() if log is None else log.taken),
         Conclusion([_headline(found), *(_sentence(m.message) for m in found.mistakes)], found.passed),
         Table(_HEADINGS, rows, "Mistakes"),
-        Sentences([f"{each.code}: {each.message}" for each in found.undecided], "Not decided by this log"),
+        Sentences(
+            [f"{each.code}: {each.message.removesuffix(_HOW)}" for each in found.undecided],
+            f"Not decided by this log; one that decides: {HOW}",
+        ),
         Sentences([f"{each.code}: {each.message}" for each in found.notes], "Notes"),
         Table(
             ("parameter", "value", "standard error"),
