@@ -6,7 +6,7 @@ is as good a frame. The gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -79,17 +79,17 @@ class SensorExplanation:
     late : tuple of SensorRepair
         Delays that the fit needs.
     gyro : Gyro
-    frame : int
-        Turn C of the common frame.
+    axes : mapping of str to ndarray, shape (3, 3)
+        Axes of each sensor in the common frame.
     fittings : tuple of Fitting
-        Of each vector.
+        Those of the vectors.
     """
 
     ratio: float
     repairs: tuple[SensorRepair, ...]
     late: tuple[SensorRepair, ...]
     gyro: Gyro
-    frame: int
+    axes: Mapping[str, Array]
     fittings: tuple[Fitting, ...]
 
     @property
@@ -118,7 +118,8 @@ class Judgement:
     undecided : tuple of SensorRepair
         Repairs between which the log does not decide.
     turns_told : tuple of bool
-        Of each vector: whether its turn is the same in all explanations.
+        Whether the log tells the turn of each vector, and so its delay and offset: it is the same in all explanations,
+        and none of fewer repairs does.
     fewer : bool
         Whether an explanation of fewer repairs is not excluded.
     """
@@ -146,8 +147,8 @@ def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     return (SensorRepair("time_step", "gyro"),)
 
 
-def axes_repairs(names: Sequence[str], sign: int, frame: int, turns: Sequence[int]) -> tuple[SensorRepair, ...]:
-    """Repairs of axes, with one turn as the frame of all.
+def axes_of(names: Sequence[str], sign: int, frame: int, turns: Sequence[int]) -> dict[str, Array]:
+    """Axes of all sensors, with one turn as the frame of all: the identity for those that are right.
 
     Parameters
     ----------
@@ -157,15 +158,16 @@ def axes_repairs(names: Sequence[str], sign: int, frame: int, turns: Sequence[in
         Sign of the gyro; in the sensors' own frame a gyro of the other sign is a left-handed frame.
     frame : int
     turns : sequence of int
-        Of each vector.
+        Those of the vectors.
     """
     back = TURNS[frame].T
-    matrices = {"gyro": sign * back, **{name: back @ TURNS[turn] for name, turn in zip(names, turns, strict=True)}}
-    return tuple(
-        SensorRepair(f"{name}_axes", name, axes_text(matrix))
-        for name, matrix in matrices.items()
-        if not np.array_equal(matrix, np.eye(3))
-    )
+    return {"gyro": sign * back, **{name: back @ TURNS[turn] for name, turn in zip(names, turns, strict=True)}}
+
+
+def axes_repairs(axes: Mapping[str, Array]) -> tuple[SensorRepair, ...]:
+    """Repairs of axes that are not right."""
+    texts = {name: axes_text(matrix) for name, matrix in axes.items()}
+    return tuple(SensorRepair(f"{name}_axes", name, text) for name, text in texts.items() if text != "x y z")
 
 
 def _late_repairs(names: Sequence[str], fittings: Sequence[Fitting]) -> tuple[SensorRepair, ...]:
@@ -179,19 +181,14 @@ def _late_repairs(names: Sequence[str], fittings: Sequence[Fitting]) -> tuple[Se
 def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     """Turns of a vector under one gyro that are not excluded, without a delay and with the best one."""
     delays, misfits = found.by_delay(gyro)
-    if not len(delays):
-        return []
+    ratios = misfits / found.best()[0]
     short = np.flatnonzero(np.abs(delays) <= MIN_DELAY_S)
-    least = found.least
     fittings = []
-    for turn, best in enumerate(misfits.argmin(axis=0)):
-        plain = short[misfits[short, turn].argmin()]
-        places = [(plain, False)] if best in short else [(plain, False), (best, True)]
-        for place, is_late in places:
-            ratio = float(misfits[place, turn]) / least
-            if ratio <= EXCLUDED:
-                fittings.append(Fitting(turn, float(delays[place]), ratio, is_late))
-    return fittings
+    for turn, best in enumerate(ratios.argmin(axis=0)):
+        plain = short[ratios[short, turn].argmin()]
+        for place in [plain] if best in short else [plain, best]:
+            fittings.append(Fitting(turn, float(delays[place]), float(ratios[place, turn]), place not in short))
+    return [each for each in fittings if each.ratio <= EXCLUDED]
 
 
 def _combinations(options: Sequence[Sequence[Fitting]], most: int) -> Iterator[tuple[int, tuple[Fitting, ...]]]:
@@ -200,8 +197,7 @@ def _combinations(options: Sequence[Sequence[Fitting]], most: int) -> Iterator[t
         left = most - (frame != 0)
         near = [[fitting for fitting in each if fitting.turn == frame or left > 0] for each in options]
         for fittings in product(*near):
-            turned = sum(fitting.turn != frame for fitting in fittings)
-            if turned <= left and (frame == 0 or turned < len(fittings)):
+            if sum(fitting.turn != frame for fitting in fittings) <= left:
                 yield frame, fittings
 
 
@@ -213,17 +209,17 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Sensor
     names = [each.vector.sensor for each in found]
     options = {gyro: [_fittings(each, gyro) for each in found] for gyro in gyros}
     for most in range(len(found) + 3):
-        every: dict[tuple[tuple[SensorRepair, ...], tuple[SensorRepair, ...]], SensorExplanation] = {}
-        for gyro in gyros:
+        every: dict[object, SensorExplanation] = {}
+        for gyro, of_gyro in options.items():
             factor = factor_repair(gyro.factor)
-            for frame, fittings in _combinations(options[gyro], most - len(factor)):
-                axes = axes_repairs(names, gyro.sign, frame, [fitting.turn for fitting in fittings])
-                late = _late_repairs(names, fittings)
+            for frame, fittings in _combinations(of_gyro, most - len(factor)):
+                axes = axes_of(names, gyro.sign, frame, [fitting.turn for fitting in fittings])
                 ratio = max(fitting.ratio for fitting in fittings)
-                new = SensorExplanation(ratio, (*factor, *axes), late, gyro, frame, fittings)
-                key = new.repairs, new.late
-                if new.count <= most and (key not in every or ratio < every[key].ratio):
-                    every[key] = new
+                repairs = (*factor, *axes_repairs(axes))
+                new = SensorExplanation(ratio, repairs, _late_repairs(names, fittings), gyro, axes, fittings)
+                known = every.get((new.repairs, new.late))
+                if new.count <= most and (known is None or ratio < known.ratio):
+                    every[new.repairs, new.late] = new
         if any(each.ratio <= TOLD_APART for each in every.values()):
             return sorted(every.values(), key=lambda each: (each.count, not each.keeps_gyro, each.ratio))
     return []
@@ -237,24 +233,27 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     every : sequence of SensorExplanation
         As `explanations` returns them, one at least.
     """
-    fit = [each for each in every if each.ratio <= TOLD_APART]
-    best = fit[0]
-    same = [each for each in fit if each.count == best.count]
-    fewest = list(dict.fromkeys(each.repairs for each in same))
-    fewer = [each for each in every if each.count < best.count and each.repairs not in fewest]
-    if fewest != [()]:
-        fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in every if each.count == best.count)]))
-    shared = [repair for repair in best.repairs if all(repair in repairs for repairs in fewest)]
-    is_few = len(fewest) <= MAX_ALTERNATIVES
-    among = [each for each in every if each.count == best.count and each.repairs in fewest]
-    counts = [len({each.fittings[i].turn for each in among}) for i in range(len(best.fittings))]
-    named_ones = () if fewer else best.repairs if is_few else tuple(shared)
-    open_ones = [*fewest, *(each.repairs for each in fewer)] if fewer else [] if is_few else fewest
+    best = next(each for each in every if each.ratio <= TOLD_APART)
+    as_few = [each for each in every if each.count == best.count]
+    if not any(each.repairs for each in as_few if each.ratio <= TOLD_APART):
+        as_few = [each for each in as_few if each.ratio <= TOLD_APART]  # nothing is named of what is right
+    fewest = list(dict.fromkeys(each.repairs for each in as_few))
+    fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
+    named_ones: Sequence[SensorRepair] = ()
+    others: list[tuple[SensorRepair, ...]] = []
+    if not fewer and len(fewest) <= MAX_ALTERNATIVES:
+        named_ones = best.repairs
+        others = [repairs for repairs in fewest if repairs != best.repairs]
+        fewest = []
+    elif not fewer:
+        named_ones = [repair for repair in best.repairs if all(repair in repairs for repairs in fewest)]
+    open_ones = dict.fromkeys(repair for repairs in (*fewest, *fewer) for repair in repairs)
+    turns = zip(*[[fitting.turn for fitting in each.fittings] for each in as_few], strict=True)
     return Judgement(
         best,
         tuple(named_ones),
-        tuple(repairs for repairs in fewest if repairs != best.repairs) if is_few and not fewer else (),
-        tuple(dict.fromkeys(repair for repairs in open_ones for repair in repairs if repair not in named_ones)),
-        tuple(count == 1 for count in counts),
+        tuple(others),
+        tuple(repair for repair in open_ones if repair not in named_ones),
+        tuple(len({*each}) == 1 and not fewer for each in turns),
         bool(fewer),
     )

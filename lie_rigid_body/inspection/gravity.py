@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +17,8 @@ from lie_rigid_body.inspection.rule import (
     SAME_UNIT,
     SWING_LENGTH_S,
 )
-from lie_rigid_body.inspection.search import Misfits, Worlds
-from lie_rigid_body.inspection.world import fit_turns
+from lie_rigid_body.inspection.search import Misfits
+from lie_rigid_body.inspection.world import gram, mean_vectors
 
 
 class Weight(NamedTuple):
@@ -64,21 +63,14 @@ class Weight(NamedTuple):
         return is_gravity and gain > (1.0 if held.unit is None else MIN_GAIN)
 
 
-def weight(found: Misfits, worlds: Worlds) -> Weight:
+def weight(found: Misfits) -> Weight:
     """Weigh a vector under its best hypothesis."""
-    gyro, delay_s, turn = found.best()
-    vector = found.vector
-    blocks = vector.blocks(worlds.of(gyro), delay_s)
-    fit = fit_turns(blocks.windows(found.length_s).gram()[0], vector.offset_cost)
-    offset = fit.constants[turn, 3:]
-    length_s = _nearest(found.lengths_s, SWING_LENGTH_S)
-    means = blocks.windows(length_s).vectors(turn, offset)
+    _, gyro, delay_s, turn = found.best()
+    length_s = min(found.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
+    windows, swinging = found.windows(gyro, delay_s, found.length_s, length_s)
+    fit = found.vector.fit(gram(windows))
+    means = mean_vectors(swinging, fit.column[turn])
     size = rms(np.linalg.norm(means, axis=1))
     swing = rms(np.linalg.norm(np.diff(means[::2], axis=0), axis=1))
-    return Weight(
-        size * vector.size, swing / size, float(np.linalg.norm(offset)) / size, float(fit.misfit[turn]) / size
-    )
-
-
-def _nearest(values: Sequence[float], wanted: float) -> float:
-    return min(values, key=lambda value: abs(value - wanted))
+    offset = float(np.linalg.norm(fit.constants[turn, :3]))
+    return Weight(size * found.vector.size, swing / size, offset / size, float(fit.misfit[turn]) / size)

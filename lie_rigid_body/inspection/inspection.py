@@ -11,9 +11,9 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.inspection.comparison import SensorComparison, compare
-from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Undecided
+from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
-from lie_rigid_body.inspection.sentences import Change, Changes, tell, tell_field_unit
+from lie_rigid_body.inspection.sentences import tell, tell_field_unit
 from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
@@ -109,7 +109,6 @@ def inspect(run: Run) -> Inspection:
     """
     require_run(run)
     found = Findings()
-    changes: Changes = {sensor: Change.none() for sensor in READINGS}
     stamps = _stamps(run, found)
     streams = {
         sensor: Stream.of(sensor, stamps[_key(sensor)], getattr(run.sensors[_key(sensor)], name))
@@ -129,9 +128,9 @@ def inspect(run: Run) -> Inspection:
         gyro, *others = streams.values()
         comparison = compare(gyro, others, found)
     if comparison is not None:
-        tell(comparison, found, changes)
+        tell(comparison, found)
     if "magnetometer" in streams:
-        tell_field_unit(_field(streams["magnetometer"], comparison), found, changes)
+        tell_field_unit(_field(streams["magnetometer"], comparison), found)
     return Inspection(
         tuple(found.mistakes),
         tuple(found.undecided.values()),
@@ -139,7 +138,7 @@ def inspect(run: Run) -> Inspection:
         found.sensors,
         run,
         stamps,
-        changes,
+        found.changes,
     )
 
 

@@ -50,8 +50,8 @@ BLOCK_S: Final = 1.0 / 16.0
 """Time over which products of readings are averaged before the windows, s."""
 MAX_STEPS: Final = 200
 """Number of steps between windows from which some are left out."""
-MIN_WINDOWS: Final = 8
-"""Least number of windows that judge."""
+MIN_LENGTHS: Final = 5.5
+"""Least duration of a log in lengths of the windows: those of ten of them."""
 MIN_SHARE_LEFT: Final = 0.4
 """Least share of the vector that windows leave: longer ones than a spin leave nothing, and wrong gyros fit best."""
 MAX_ROTATION_DEG: Final = 20.0
@@ -88,8 +88,8 @@ NO_DELAYS_S: Final = (0.0, -0.02, 0.02)
 """Delays that are none, s."""
 DELAYS_S: Final = (*NO_DELAYS_S, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
 """Delays of the scan, s."""
-HOPELESS: Final = 6.0
-"""Factor by which a gyro stands out less than the best one, and is not scanned for delays."""
+MAX_DELAY_S: Final = max(DELAYS_S)
+"""Longest of them, s."""
 REFINED_LOG_FACTOR: Final = 0.02
 """Change of the logarithm of a factor, fitted to one vector, from which it is a hypothesis of its own. A factor that is
 10 % off the grid does not fit fast rotations."""
@@ -118,8 +118,6 @@ SHAPE_COST: Final = 0.01**2
 """Squared misfit that an element of soft iron of 1 costs."""
 MAX_SHAPE_ERROR: Final = 0.02
 """Largest standard error of an element of soft iron with which it is told."""
-FREE_OFFSET_COST: Final = 1e6
-"""Squared misfit of an offset that is held at 0."""
 
 # --- gravity and units -----------------------------------------------------------------------------------------------
 GRAVITY: Final = 9.80665
@@ -180,8 +178,6 @@ GYRO_HZ: Final = 90.0
 """Rate from which readings of the gyro are averaged in pairs and more, Hz."""
 VECTOR_HZ: Final = 45.0
 """The rate for the other sensors, Hz."""
-MIN_SPAN_S: Final = 5.0
-"""Least duration of a log that is compared with models, s: nine windows of the shortest length."""
 MAX_GRID_STEPS: Final = 2**24
 """Largest number of steps between the extremes of readings that are multiples of a resolution: sensors have 24 bits."""
 GRID_TOLERANCE: Final = 0.01

@@ -64,15 +64,13 @@ class Stream:
         first, last = np.searchsorted(self.t_ns, [begin_ns, end_ns + 1])
         return self[slice(first, last)]
 
-    def averaged(self, rate_hz: float) -> tuple[Array, Array]:
-        """Means over as many readings as leave a rate, Hz: times, s, and readings."""
-        seconds = max(float(np.ptp(self.t_ns)) / 1e9, 1e-9)
-        size = max(int(len(self.t_ns) / seconds / rate_hz), 1)
-        count = len(self.t_ns) // size
-        used = count * size
-        origin = self.t_ns[0] if len(self.t_ns) else 0
-        since = (self.t_ns[:used] - origin).reshape(count, size).mean(axis=1) / 1e9
-        return since + origin / 1e9, self.readings[:used].reshape(count, size, 3).mean(axis=1)
+    def averaged(self, rate_hz: float, origin_ns: int) -> tuple[Array, Array]:
+        """Means over as many readings as leave a rate, Hz: times since an origin, s, and readings."""
+        seconds = float(np.ptp(self.t_ns)) / 1e9 if len(self.t_ns) else 0.0
+        size = max(int(len(self.t_ns) / rate_hz / max(seconds, 1e-9)), 1)
+        used = len(self.t_ns) // size * size
+        since = (self.t_ns[:used] - origin_ns).reshape(-1, size).mean(axis=1) / 1e9
+        return since, self.readings[:used].reshape(-1, size, 3).mean(axis=1)
 
 
 def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found: Findings) -> Integers:
