@@ -45,7 +45,8 @@ def test_the_turn_bias_and_offset_put_in_are_those_that_fit(readings: np.ndarray
     offset = np.array([0.1, 0.2, -0.1])
     world = integrated(T_S, RATE + bias)
     vector = Vector.of_readings("magnetometer", T_S, readings @ TURNS[turn] + offset, 0.0)
-    fit = vector.fit(gram(*vector.windows(world, 0.0, 2.0)))
+    (windows,) = vector.windows(world, 0.0, 2.0)
+    fit = vector.fit(gram(windows))
     assert fit.misfit.argmin() == turn
     assert fit.misfit[turn] < 0.005
     assert np.sort(fit.misfit)[1] > 0.1
