@@ -14,7 +14,7 @@ from lie_rigid_body.evaluation.arguments import integer_stamps, numbers
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.recording.logs import Log, Vectors
+from lie_rigid_body.recording.logs import Log, Vectors, require_overlap
 from lie_rigid_body.recording.poses import stamped_poses
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.scenario import Scenario
@@ -88,12 +88,7 @@ def truth_of(log: Log, given: GivenTruth) -> SampledTruth | None:
         seen = ~np.isnan(attitude).all(axis=1)
         stamps, attitude = stamps[seen], attitude[seen]
     known = SampledTruth(stamps, attitude)
-    ends = [known.first_ns, known.last_ns, int(log.gyro.t_ns.min()), int(log.gyro.t_ns.max())]
-    if ends[1] < ends[2] or ends[0] > ends[3]:
-        told = "the truth from {:.9g} to {:.9g} s, the log from {:.9g} to {:.9g} s".format(
-            *(each / NS for each in ends)
-        )
-        raise InputError(f"{log.name}: truth and log do not overlap in time, {told}: bring them to one clock")
+    require_overlap(log.name, {"truth": known.stamps_ns, "log": log.gyro.t_ns}, "bring them to one clock")
     return known
 
 

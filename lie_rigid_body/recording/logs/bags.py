@@ -106,22 +106,17 @@ def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple
     """The sensors on a topic, and their readings."""
     where = places(track.message_type)
     fields = _FIELDS[track.message_type]
-    parts = list[tuple[Integers, Integers, dict[str, Array]]]()
-    for logged_ns, decoded in stamped_numbers(path, contents, track):
-        assert decoded.stamps_ns is not None
-        of_part = {
-            sensor: decoded.numbers[:, [*where[field], *where[f"{field}_covariance"][::4]]]
-            for sensor, field in fields.items()
-        }
-        parts.append((decoded.stamps_ns, logged_ns, of_part))
-    t_ns, logged_ns = (np.concatenate(each) for each in list(zip(*parts, strict=True))[:2])
-    for sensor, field in fields.items():
-        numbers = np.concatenate([of_part[sensor] for *_, of_part in parts])
-        values, variance = np.hsplit(numbers, 2)
+    columns = [[*where[field], *where[f"{field}_covariance"][::4]] for field in fields.values()]
+    parts = [
+        (decoded.stamps_ns, logged_ns, decoded.numbers[:, columns])
+        for logged_ns, decoded in stamped_numbers(path, contents, track)
+    ]
+    t_ns, logged_ns, numbers = (np.concatenate(each) for each in zip(*parts, strict=True))
+    for i, (sensor, field) in enumerate(fields.items()):
+        values, variance = np.hsplit(numbers[:, i], 2)
         if (variance[:, 0] == NOT_GIVEN).all():
             continue
         if len(bad := np.flatnonzero(~np.isfinite(values).all(axis=1))):
             told = f"message {bad[0] + 1} on {track.topic} has a {field} that is not finite, of {len(bad)} such"
             raise InputError(f"{path}: {told}: leave them out")
-        source = f"{track.topic} {field}"
-        yield sensor, Vectors(t_ns, values, source, logged_ns, variance if variance.any() else None)
+        yield sensor, Vectors(t_ns, values, f"{track.topic} {field}", logged_ns, variance if variance.any() else None)

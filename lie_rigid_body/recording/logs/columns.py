@@ -15,7 +15,7 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown, suggestion
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors
-from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, Heading, sensor_of, unit_key
+from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, heading, sensor_of, unit_key
 from lie_rigid_body.recording.logs.sources import lines_of, sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
 from lie_rigid_body.recording.logs.times import MISSING, Clock, as_number, clock_of, share_that_rises
@@ -135,11 +135,10 @@ def _name_columns(tables: list[TextTable], columns: Mapping[str, str | int]) -> 
         if not places or (len(tables) > 1 and f"{name}".partition(":")[0].isdecimal()):
             texts = [head.text for table in tables for head in table.headings]
             raise InputError(f"columns: no column {shown(name)}: {suggestion(f'{name}', texts, 'columns')}")
-        sensor, _, axis = field.partition("_")
         for table, column, unit in places:
             head = table.headings[column]
-            words = (_GIVEN, sensor if axis else TIME)
-            table.headings[column] = Heading(head.text, words, "xyz".index(axis) if axis else None, unit or head.unit)
+            given = heading(f"{_GIVEN} {'time' if field == 't' else field} ({unit or head.unit})")
+            table.headings[column] = replace(given, text=head.text)
 
 
 def _find(table: TextTable, name: str) -> tuple[int, str] | None:
@@ -209,10 +208,14 @@ def _read(table: TextTable, triples: Sequence[Triple], taken: list[str]) -> dict
 
 def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> int:
     """The column of the time of a sensor: one that is called after it, or else the one that rises at most rows."""
-    columns = {column: head for column, head in enumerate(table.headings) if head.is_time}
-    given = [column for column, head in columns.items() if _GIVEN in head.words]
-    own = [column for column, head in columns.items() if sensor_of(head.words) == sensor]
-    others = [column for column, head in columns.items() if sensor_of(head.words) is None]
+
+    def fitness(column: int) -> tuple[bool, bool, bool, float]:
+        """How well a column goes with the sensor, by its words and by the share of its times that rise."""
+        words = table.headings[column].words
+        named = sensor_of(words)
+        return _GIVEN in words, named == sensor, named is None, share_that_rises([row[column] for row in rows])
+
+    columns = [column for column, head in enumerate(table.headings) if head.is_time]
     if not columns:
         raise InputError(f"{table.source} has no time, but {table.columns}: name its column, such as t=1")
-    return max(given or own or others or columns, key=lambda column: share_that_rises([row[column] for row in rows]))
+    return max(columns, key=fitness)
