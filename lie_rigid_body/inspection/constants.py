@@ -34,7 +34,7 @@ from lie_rigid_body.inspection.rule import (
     UNSEEN_SHARE,
     Gyro,
 )
-from lie_rigid_body.inspection.search import Misfits
+from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit, mean_vectors
 
 
@@ -73,21 +73,6 @@ class Minimum(NamedTuple):
         return abs(self.place) > max(MIN_DELAY_S, SIGMAS * self.sigma) and bool(gain > MIN_GAIN)
 
 
-class Placed(NamedTuple):
-    """A vector with its turn and its delay, s."""
-
-    misfits: Misfits
-    turn: int
-    delay_s: float
-
-    def squares(self, gyro: Gyro, length_s: float, delay_s: float) -> Array:
-        """Squared misfits of the chunks at a delay, with the constants that fit all of them, shape (chunks,)."""
-        (windows,) = self.misfits.windows(gyro, delay_s, length_s)
-        grams = gram(windows, CHUNKS)
-        column = self.misfits.vector.fit(grams).column[self.turn]
-        return np.asarray(grams @ column @ column)
-
-
 def minimum(squares: Callable[[float], Array], place: float, step: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:
     """Minimum of the squared misfits of chunks, by Newton's method from their values a step before and behind.
 
@@ -114,7 +99,7 @@ def minimum(squares: Callable[[float], Array], place: float, step: float, moves:
     return Minimum(place, sigma, np.sqrt(second / 2.0) / step, level)
 
 
-def fit_delay(placed: Placed, gyro: Gyro, step_s: float) -> Minimum:
+def fit_delay(placed: Fitting, gyro: Gyro, step_s: float) -> Minimum:
     """Fit a delay in the windows in which the squared misfit bends most against its least value."""
     squares = {length: partial(placed.squares, gyro, length) for length in placed.misfits.lengths_s}
     tried = {length: minimum(squares[length], placed.delay_s, step_s, 1) for length in squares}
@@ -122,18 +107,20 @@ def fit_delay(placed: Placed, gyro: Gyro, step_s: float) -> Minimum:
     return minimum(squares[length_s], placed.delay_s, step_s)
 
 
-def other_delays(placed: Placed, tried: Gyro, gyro: Gyro, own: Minimum) -> list[float]:
-    """Delays away from the fitted one that fit as well, s: of motions that recur.
+def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list[float]:
+    """Delays away from the fitted one that fit as well, s: of motions that recur; of a fitted one that is none, none.
 
     Parameters
     ----------
-    placed : Placed
+    placed : Fitting
     tried : Gyro
         The one with which delays were tried.
     gyro : Gyro
         The one of the fit.
     own : Minimum
     """
+    if abs(own.place) <= MIN_DELAY_S:
+        return []
     delays, misfits = placed.misfits.by_delay(tried)
     values = misfits[:, placed.turn]
     inner = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] < values[2:])) + 1
@@ -145,7 +132,7 @@ def other_delays(placed: Placed, tried: Gyro, gyro: Gyro, own: Minimum) -> list[
     ]
 
 
-def refine(placed: Sequence[Placed], gyro: Gyro) -> tuple[Gyro, float, list[Minimum]]:
+def refine(placed: Sequence[Fitting], gyro: Gyro) -> tuple[Gyro, float, list[Minimum]]:
     """Fit delays and the gyro's factor in turn, from those of an explanation on.
 
     Returns
@@ -224,7 +211,7 @@ class Constants:
         return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
 
 
-def constants_of(placed: Placed, gyro: Gyro) -> Constants:
+def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     """Fit what is constant of a vector in the windows that tell most about it."""
     vector = placed.misfits.vector
     turn = TURNS[placed.turn]

@@ -6,7 +6,7 @@ is as good a frame. The gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -26,7 +26,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     Gyro,
 )
-from lie_rigid_body.inspection.search import Misfits
+from lie_rigid_body.inspection.search import Fitting, Misfits
 
 
 class SensorRepair(NamedTuple):
@@ -46,38 +46,16 @@ class SensorRepair(NamedTuple):
     text: str = ""
 
 
-class Fitting(NamedTuple):
-    """One vector under one gyro.
-
-    Attributes
-    ----------
-    turn : int
-        Index in `TURNS`.
-    delay_s : float
-    ratio : float
-        Misfit over the least one of this vector.
-    is_late : bool
-        Whether the delay is a repair.
-    """
-
-    turn: int
-    delay_s: float
-    ratio: float
-    is_late: bool
-
-
 @dataclass(frozen=True)
 class SensorExplanation:
     """A hypothesis about all sensors.
 
     Attributes
     ----------
-    ratio : float
-        Largest ratio of its vectors.
     repairs : tuple of SensorRepair
         Without delays, which are fitted.
-    late : tuple of SensorRepair
-        Delays that the fit needs.
+    late : tuple of str
+        Sensors with delays that the fit needs.
     gyro : Gyro
     axes : mapping of str to ndarray, shape (3, 3)
         Axes of each sensor in the common frame.
@@ -85,12 +63,16 @@ class SensorExplanation:
         Those of the vectors.
     """
 
-    ratio: float
     repairs: tuple[SensorRepair, ...]
-    late: tuple[SensorRepair, ...]
+    late: tuple[str, ...]
     gyro: Gyro
     axes: Mapping[str, Array]
     fittings: tuple[Fitting, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Largest ratio of its vectors."""
+        return max(each.ratio for each in self.fittings)
 
     @property
     def count(self) -> int:
@@ -147,21 +129,19 @@ def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     return (SensorRepair("time_step", "gyro"),)
 
 
-def axes_of(names: Sequence[str], sign: int, frame: int, turns: Sequence[int]) -> dict[str, Array]:
+def axes_of(sign: int, frame: int, turns: Mapping[str, int]) -> dict[str, Array]:
     """Axes of all sensors, with one turn as the frame of all: the identity for those that are right.
 
     Parameters
     ----------
-    names : sequence of str
-        Sensors of the vectors.
     sign : int
         Sign of the gyro; in the sensors' own frame a gyro of the other sign is a left-handed frame.
     frame : int
-    turns : sequence of int
-        Those of the vectors.
+    turns : mapping of str to int
+        Those of the vectors, by their sensors.
     """
     back = TURNS[frame].T
-    return {"gyro": sign * back, **{name: back @ TURNS[turn] for name, turn in zip(names, turns, strict=True)}}
+    return {"gyro": sign * back, **{sensor: back @ TURNS[turn] for sensor, turn in turns.items()}}
 
 
 def axes_repairs(axes: Mapping[str, Array]) -> tuple[SensorRepair, ...]:
@@ -170,12 +150,10 @@ def axes_repairs(axes: Mapping[str, Array]) -> tuple[SensorRepair, ...]:
     return tuple(SensorRepair(f"{name}_axes", name, text) for name, text in texts.items() if text != "x y z")
 
 
-def _late_repairs(names: Sequence[str], fittings: Sequence[Fitting]) -> tuple[SensorRepair, ...]:
-    """Delays that are repairs: two alike are one, of the gyro."""
-    late = [(name, each.delay_s) for name, each in zip(names, fittings, strict=True) if each.is_late]
-    if len(late) == 2 and abs(late[0][1] - late[1][1]) < SAME_DELAY_S:
-        return (SensorRepair("gyro_late", "gyro"),)
-    return tuple(SensorRepair(f"{name}_late", name) for name, _ in late)
+def _late(fittings: Sequence[Fitting]) -> tuple[str, ...]:
+    """Sensors whose delays are repairs: two alike are one, of the gyro."""
+    late = {each.sensor: each.delay_s for each in fittings if each.is_late}
+    return ("gyro",) if len(late) == 2 and np.ptp([*late.values()]) < SAME_DELAY_S else tuple(late)
 
 
 def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
@@ -187,42 +165,30 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     for turn, best in enumerate(ratios.argmin(axis=0)):
         plain = short[ratios[short, turn].argmin()]
         for place in [plain] if best in short else [plain, best]:
-            fittings.append(Fitting(turn, float(delays[place]), float(ratios[place, turn]), place not in short))
+            fittings.append(Fitting(found, turn, float(delays[place]), float(ratios[place, turn]), place not in short))
     return [each for each in fittings if each.ratio <= EXCLUDED]
 
 
-def _combinations(options: Sequence[Sequence[Fitting]], most: int) -> Iterator[tuple[int, tuple[Fitting, ...]]]:
-    """Frames, each that of a sensor, and fittings of all vectors with at most so many repairs of axes."""
-    for frame in sorted({0, *(fitting.turn for each in options for fitting in each)}):
-        left = most - (frame != 0)
-        near = [[fitting for fitting in each if fitting.turn == frame or left > 0] for each in options]
-        for fittings in product(*near):
-            if sum(fitting.turn != frame for fitting in fittings) <= left:
-                yield frame, fittings
-
-
 def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[SensorExplanation]:
-    """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first.
-
-    More repairs of axes and factors are only looked for while fewer have none that fits.
-    """
-    names = [each.vector.sensor for each in found]
-    options = {gyro: [_fittings(each, gyro) for each in found] for gyro in gyros}
-    for most in range(len(found) + 3):
-        every: dict[object, SensorExplanation] = {}
-        for gyro, of_gyro in options.items():
-            factor = factor_repair(gyro.factor)
-            for frame, fittings in _combinations(of_gyro, most - len(factor)):
-                axes = axes_of(names, gyro.sign, frame, [fitting.turn for fitting in fittings])
-                ratio = max(fitting.ratio for fitting in fittings)
-                repairs = (*factor, *axes_repairs(axes))
-                new = SensorExplanation(ratio, repairs, _late_repairs(names, fittings), gyro, axes, fittings)
-                known = every.get((new.repairs, new.late))
-                if new.count <= most and (known is None or ratio < known.ratio):
-                    every[new.repairs, new.late] = new
-        if any(each.ratio <= TOLD_APART for each in every.values()):
-            return sorted(every.values(), key=lambda each: (each.count, not each.keeps_gyro, each.ratio))
-    return []
+    """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first."""
+    every: dict[object, SensorExplanation] = {}
+    most = np.inf
+    for gyro in gyros:
+        factor = factor_repair(gyro.factor)
+        for fittings in product(*(_fittings(each, gyro) for each in found)):
+            turns = {each.sensor: each.turn for each in fittings}
+            for frame in sorted({0, *turns.values()}):
+                turned = sum(turn != frame for turn in turns.values()) + (frame != 0 or gyro.sign < 0)
+                if len(factor) + turned > most:
+                    continue
+                axes = axes_of(gyro.sign, frame, turns)
+                new = SensorExplanation((*factor, *axes_repairs(axes)), _late(fittings), gyro, axes, fittings)
+                known = every.setdefault((new.repairs, new.late), new)
+                every[new.repairs, new.late] = min(known, new, key=lambda each: each.ratio)
+                if new.ratio <= TOLD_APART:
+                    most = min(most, new.count)
+    few = [each for each in every.values() if each.count <= most < np.inf]
+    return sorted(few, key=lambda each: (each.count, not each.keeps_gyro, each.ratio))
 
 
 def judged(every: Sequence[SensorExplanation]) -> Judgement:
@@ -233,12 +199,12 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     every : sequence of SensorExplanation
         As `explanations` returns them, one at least.
     """
-    best = next(each for each in every if each.ratio <= TOLD_APART)
-    as_few = [each for each in every if each.count == best.count]
-    if not any(each.repairs for each in as_few if each.ratio <= TOLD_APART):
-        as_few = [each for each in as_few if each.ratio <= TOLD_APART]  # nothing is named of what is right
-    fewest = list(dict.fromkeys(each.repairs for each in as_few))
+    fit = [each for each in every if each.ratio <= TOLD_APART]
+    best = fit[0]
+    fewest = list(dict.fromkeys(each.repairs for each in fit if each.count == best.count))
     fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
+    as_few = [each for each in every if each.count == best.count and (any(fewest) or each in fit)]
+    fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in as_few)]))
     named_ones: Sequence[SensorRepair] = ()
     others: list[tuple[SensorRepair, ...]] = []
     if not fewer and len(fewest) <= MAX_ALTERNATIVES:

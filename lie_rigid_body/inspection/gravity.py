@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,12 @@ from lie_rigid_body.inspection.rule import (
 )
 from lie_rigid_body.inspection.search import Misfits
 from lie_rigid_body.inspection.world import gram, mean_vectors
+
+
+def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, float]:
+    """Unit in which a size is most like the one of a table, this, and the logarithm of their ratio."""
+    unit, known = min(units.items(), key=lambda item: abs(np.log(size / item[1])))
+    return unit, known, abs(float(np.log(size / known)))
 
 
 class Weight(NamedTuple):
@@ -42,14 +49,14 @@ class Weight(NamedTuple):
     misfit: float
 
     @property
-    def unit(self) -> str | None:
-        """The unit in which the size is that of gravity."""
-        return next((unit for unit, g in ACCELEROMETER_UNITS.items() if abs(np.log(self.size / g)) < SAME_UNIT), None)
+    def has_unit(self) -> bool:
+        """Whether the size is that of gravity in a known unit."""
+        return nearest_unit(self.size, ACCELEROMETER_UNITS)[2] < SAME_UNIT
 
     @property
     def is_healthy(self) -> bool:
         """Whether the vector is gravity without an offset."""
-        return self.unit is not None and self.swing < MAX_SWING and self.offset < MIN_TAKEN_OFF
+        return self.has_unit and self.swing < MAX_SWING and self.offset < MIN_TAKEN_OFF
 
     @property
     def is_without_gravity(self) -> bool:
@@ -58,9 +65,9 @@ class Weight(NamedTuple):
 
     def is_better_than(self, held: Weight) -> bool:
         """Whether the vector is gravity less a constant, compared with the fit that keeps offsets small."""
-        is_gravity = self.unit is not None and self.swing < MAX_SWING and self.offset > MIN_TAKEN_OFF
+        is_gravity = self.has_unit and self.swing < MAX_SWING and self.offset > MIN_TAKEN_OFF
         gain = held.misfit * held.size / (self.misfit * self.size)
-        return is_gravity and gain > (1.0 if held.unit is None else MIN_GAIN)
+        return is_gravity and gain > (MIN_GAIN if held.has_unit else 1.0)
 
 
 def weight(found: Misfits) -> Weight:

@@ -145,10 +145,9 @@ def inspect(run: Run) -> Inspection:
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
     keys = [key for key in ("imu", "magnetometer") if key in run.sensors and len(run.sensors[key].t_ns) > 1]
-    spans = [(int(run.sensors[key].t_ns.min()), int(run.sensors[key].t_ns.max())) for key in keys]
-    widest = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
+    widest = max((run.sensors[key].t_ns for key in keys), key=np.ptp, default=np.zeros(1, dtype=np.int64))
     stamps = {key: checked_stamps(key, run.sensors[key].t_ns, widest, found) for key in keys}
-    if widest[0] == widest[1]:
+    if not np.ptp(widest):
         return {}  # no stamps tell any time
     if len(stamps) == 2:
         imu, other = stamps.values()

@@ -86,24 +86,23 @@ def allan(readings: Array, step_s: float) -> Allan:
 def density(found: Allan) -> Density:
     """Fit white noise and a random walk to an Allan variance; the walk is left out where it is not told."""
     model = np.stack([1.0 / found.tau_s, found.tau_s / 3.0], axis=1)
-    squares, covariance = _weighted(model, found)
-    if squares[1] <= SIGMAS * np.sqrt(OCTAVES_SHARED * covariance[1, 1]):
-        squares, covariance = _weighted(model[:, :1], found)
-    sizes = np.sqrt(np.maximum(squares, 0.0))
-    sigmas = np.sqrt(OCTAVES_SHARED * np.diag(covariance)) / np.maximum(2.0 * sizes, np.finfo(np.float64).tiny)
-    walk = (float(sizes[1]), float(sigmas[1])) if len(sizes) > 1 else (0.0, 0.0)
-    return Density(float(sizes[0]), float(sigmas[0]), *walk)
+    squares, errors = _weighted(model, found)
+    if squares[1] <= SIGMAS * errors[1]:
+        squares, errors = _weighted(model[:, :1], found)
+    sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
+    numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
+    return Density(*[*numbers, 0.0, 0.0][:4])
 
 
 def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
-    """Coefficients of a model of the variance and their covariance, weighted by the model's own standard errors."""
+    """Coefficients of a model of the variance and their standard errors, weighted by those of the model itself."""
     expected = found.variance
     for _ in range(3):
-        weights = found.freedom / (2.0 * np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
-        covariance = np.linalg.inv(model.T * weights @ model)
-        squares = covariance @ (model.T * weights @ found.variance)
+        weighted = model.T * (found.freedom / 2.0 / np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
+        covariance = np.linalg.inv(weighted @ model)
+        squares = covariance @ weighted @ found.variance
         expected = np.abs(model @ squares)
-    return squares, covariance
+    return squares, np.sqrt(OCTAVES_SHARED * np.diag(covariance))
 
 
 def _windows_at_rest(readings: Array, size: int, most: float) -> Booleans:
@@ -123,19 +122,17 @@ def _windows_at_rest(readings: Array, size: int, most: float) -> Booleans:
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
     count = len(gyro.t_ns)
-    step_s = gyro.step_s if count > 1 else 0.0
+    step_s = gyro.step_s
     size = round(REST_WINDOW_S / step_s) if step_s else 0
     if not 2 * REST_PARTS <= size <= count or count != len(accelerometer.t_ns):
         return None
     at_rest = _windows_at_rest(gyro.readings, size, MAX_REST_RATE)
     at_rest &= _windows_at_rest(accelerometer.readings, size, np.inf)
     firsts, lasts = runs_of(0, at_rest)
-    if not len(firsts):
+    first, last = max(zip(firsts, lasts, strict=True), key=lambda run: run[1] - run[0], default=(0, -1))
+    if (last + 1 - first) * size * step_s < MIN_REST_S:
         return None
-    best = int((lasts - firsts).argmax())
-    if (lasts[best] + 1 - firsts[best]) * size * step_s < MIN_REST_S:
-        return None
-    return int(gyro.t_ns[firsts[best] * size]), int(gyro.t_ns[(lasts[best] + 1) * size - 1])
+    return int(gyro.t_ns[first * size]), int(gyro.t_ns[(last + 1) * size - 1])
 
 
 def tell_noise(streams: list[Stream], found: Findings) -> None:
@@ -152,7 +149,7 @@ def tell_noise(streams: list[Stream], found: Findings) -> None:
         return
     for stream in streams:
         still = stream.between(*rest)
-        step_s = still.step_s if len(still.t_ns) > 1 else np.inf
+        step_s = still.step_s
         if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
             continue
         measured = allan(still.readings, step_s)

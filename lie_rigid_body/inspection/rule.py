@@ -56,8 +56,8 @@ MIN_SHARE_LEFT: Final = 0.4
 """Least share of the vector that windows leave: longer ones than a spin leave nothing, and wrong gyros fit best."""
 MAX_ROTATION_DEG: Final = 20.0
 """Largest rotation between readings, at nine in ten, that a gyro can follow: walks at 2 Hz had false names above it."""
-MAX_SPAN_S: Final = 150.0
-"""Longest stretch that is compared with models, s: the one that turns most about its least axis."""
+MAX_SPAN_NS: Final = 150 * 10**9
+"""Longest stretch that is compared with models, ns: the one that turns most about its least axis."""
 
 # --- hypotheses ----------------------------------------------------------------------------------------------------
 TURNS: Final[Array] = SIGNED_PERMUTATIONS[np.linalg.det(SIGNED_PERMUTATIONS) > 0.0]

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from itertools import product
 from operator import itemgetter
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.inspection.rule import DELAYS_S, GYROS, MIN_SHARE_LEFT, RIGHT, Gyro
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.inspection.rule import CHUNKS, DELAYS_S, EXCLUDED, GYROS, MIN_SHARE_LEFT, RIGHT, Gyro
 from lie_rigid_body.inspection.world import Vector, World, gram, mean_vectors
 
 MIN_MOVE_S: Final = 0.001
@@ -87,6 +87,10 @@ class Misfits:
         delays = sorted(delay for each, delay in self._found if each == gyro)
         return np.array(delays), np.array([self._found[gyro, delay][self.length_s] for delay in delays])
 
+    def turns(self, gyro: Gyro) -> Integers:
+        """Turns that are not excluded with a gyro."""
+        return np.flatnonzero(self.by_delay(gyro)[1].min(axis=0) <= EXCLUDED * self.best()[0])
+
     def scan(self, gyro: Gyro) -> None:
         """Try all delays with a gyro, and twice one between those tried: the vertex of a parabola of the square."""
         for delay in DELAYS_S:
@@ -97,6 +101,40 @@ class Misfits:
             place = vertex(delays, misfits[:, misfits.min(axis=0).argmin()] ** 2)
             if place is not None and np.abs(delays - place).min() > MIN_MOVE_S:
                 self.add(gyro, place)
+
+
+class Fitting(NamedTuple):
+    """One vector under one gyro.
+
+    Attributes
+    ----------
+    misfits : Misfits
+    turn : int
+        Index in `TURNS`.
+    delay_s : float
+    ratio : float
+        Misfit over the least one of this vector.
+    is_late : bool
+        Whether the delay is a repair.
+    """
+
+    misfits: Misfits
+    turn: int
+    delay_s: float
+    ratio: float = 1.0
+    is_late: bool = False
+
+    @property
+    def sensor(self) -> str:
+        """Sensor of the vector."""
+        return self.misfits.vector.sensor
+
+    def squares(self, gyro: Gyro, length_s: float, delay_s: float) -> Array:
+        """Squared misfits of the chunks at a delay, with the constants that fit all of them, shape (chunks,)."""
+        (windows,) = self.misfits.windows(gyro, delay_s, length_s)
+        grams = gram(windows, CHUNKS)
+        column = self.misfits.vector.fit(grams).column[self.turn]
+        return np.asarray(grams @ column @ column)
 
 
 def vertex(places: Array, values: Array) -> float | None:

@@ -7,14 +7,14 @@ import numpy as np
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.wording import components, numerals
 from lie_rigid_body.inspection.comparison import Compared, SensorComparison
-from lie_rigid_body.inspection.constants import constants_of, other_delays
+from lie_rigid_body.inspection.constants import Minimum, constants_of, other_delays
 from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.inspection.gravity import nearest_unit
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
     DIM_DELAY_S,
-    EXCLUDED,
     FIELD_MARGIN,
     FIELDS_T,
     GRAVITY,
@@ -91,9 +91,7 @@ def _meaning(repair: SensorRepair) -> str:
 def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
     """List the turns that fit as well under the same gyro, of vectors of which no axes are named."""
     for each in comparison.vectors:
-        misfits = each.placed.misfits
-        least = misfits.by_delay(comparison.verdict.best.gyro)[1].min(axis=0)
-        fit = np.flatnonzero(least <= EXCLUDED * misfits.best()[0])
+        fit = each.placed.misfits.turns(comparison.verdict.best.gyro)
         others = [axes_text(TURNS[turn]) for turn in fit if turn != each.placed.turn]
         code = f"{each.sensor}_axes"
         if others and not found.has(code, each.sensor):
@@ -125,37 +123,33 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
 
 def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
     """Tell sensors that are late; two that are as late as each other are a gyro that is early."""
-    for each in comparison.vectors:
-        others = other_delays(each.placed, comparison.verdict.best.gyro, comparison.gyro, each.delay)
-        if others and abs(each.delay.place) > MIN_DELAY_S:
-            text = ", ".join(f"{other:.3f} s" for other in (each.delay.place, *others))
-            found.ask(f"{each.sensor}_late", f"the motion recurs, so that {text} do as well")
-    late = {
-        each.sensor: each.delay
-        for each in comparison.vectors
-        if each.delay.is_late and each.is_told and f"{each.sensor}_late" not in found.undecided
-    }
-    named = {sensor: delay.place for sensor, delay in late.items()}
-    if len(late) == 2:
-        one, other = late.values()
-        if one.is_like(other):
-            named = {"gyro": -(one.place + other.place) / 2.0}
-    for sensor, delay_s in named.items():
-        unseen = len(late) == 1 and all(
-            abs(each.delay.place - delay_s) < each.delay.unseen for each in comparison.vectors if each.sensor != sensor
-        )
-        text = f"the {sensor} is {delay_s * 1e3:.0f} ms late against the others"
-        or_else = ("gyro_late",) if unseen else ()
-        found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
-        found.changes[sensor].delay_s = delay_s
+    delays = {each.sensor: each.delay for each in comparison.vectors}
+    late: dict[str, Minimum] = {}
     for each in comparison.vectors:
         delay = each.delay
         code = f"{each.sensor}_late"
-        if each.sensor not in late and (abs(delay.place) > MIN_DELAY_S or delay.unseen > DIM_DELAY_S):
+        others = other_delays(each.placed, comparison.verdict.best.gyro, comparison.gyro, delay)
+        if others:
+            text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
+            found.ask(code, f"the motion recurs, so that {text} do as well")
+        elif delay.is_late and each.is_told:
+            late[each.sensor] = delay
+        elif abs(delay.place) > MIN_DELAY_S or delay.unseen > DIM_DELAY_S:
             found.ask(code, f"a delay of the {each.sensor} of {delay.unseen:.2g} s is not seen")
-        elif each.sensor not in late:
+        else:
             text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
             found.note(code, text, delay.place)
+    named = {sensor: delay.place for sensor, delay in late.items()}
+    is_alike = all(one.is_like(other) for one in delays.values() for other in delays.values())
+    if len(late) == 2 and is_alike:
+        named = {"gyro": -float(np.mean([*named.values()]))}
+    for sensor, delay_s in named.items():
+        beside = [delay for other, delay in delays.items() if other != sensor]
+        is_unseen = len(late) == 1 and all(abs(other.place - delay_s) < other.unseen for other in beside)
+        or_else = ("gyro_late",) if is_unseen else ()
+        text = f"the {sensor} is {delay_s * 1e3:.0f} ms late against the others"
+        found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
+        found.changes[sensor].delay_s = delay_s
 
 
 def _tell_hard_iron(each: Compared, found: Findings) -> None:
@@ -191,8 +185,7 @@ def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found:
         found.name("gravity_removed", each.sensor, text, f"+ ({given})", **comparison.misfits)
         change.offset = constants.offset
     size = constants.size
-    unit, gravity = min(ACCELEROMETER_UNITS.items(), key=lambda item: abs(np.log(size / item[1])))
-    away = abs(np.log(size / gravity))
+    unit, gravity, away = nearest_unit(size, ACCELEROMETER_UNITS)
     is_clear = (
         constants.misfit <= MAX_UNIT_MISFIT and constants.gain(MIN_HARD_IRON * size * constants.blind) >= MIN_GAIN
     )
