@@ -15,7 +15,6 @@ from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
-    DEGREE,
     GYRO_HZ,
     GYROS,
     MAGNETOMETER_OFFSET_COST,
@@ -90,10 +89,8 @@ class SensorComparison:
 
     @property
     def unit(self) -> float:
-        """Factor of the gyro that is a unit, and named; else 1."""
-        factors = {repair.code: self.gyro.factor for repair in self.verdict.named}
-        factor = factors.get("gyro_units", 1.0)
-        return 1.0 if factor == 1.0 else DEGREE if factor < 1.0 else 1.0 / DEGREE
+        """Factor of the gyro's unit, if one is named; else 1."""
+        return float(np.prod([repair.unit for repair in self.verdict.named]))
 
 
 def plain_misfit(found: Misfits) -> float:

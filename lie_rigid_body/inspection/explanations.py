@@ -39,11 +39,14 @@ class SensorRepair(NamedTuple):
     sensor : str
     text : str
         The repair in a few characters, such as ``y x -z``; empty where a constant is fitted.
+    unit : float
+        Factor of a unit.
     """
 
     code: str
     sensor: str
     text: str = ""
+    unit: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -121,12 +124,10 @@ def axes_text(matrix: Array) -> str:
 
 def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     """The repair that a factor of the gyro is: a unit, another factor, or none."""
-    size = np.log(factor)
-    if abs(size) < MIN_LOG_FACTOR:
-        return ()
-    if abs(abs(size) + np.log(DEGREE)) < MIN_LOG_FACTOR:
-        return (SensorRepair("gyro_units", "gyro", "× π/180" if size < 0.0 else "× 180/π"),)
-    return (SensorRepair("time_step", "gyro"),)
+    for text, unit in (("× π/180", DEGREE), ("× 180/π", 1.0 / DEGREE)):
+        if abs(np.log(factor / unit)) < MIN_LOG_FACTOR:
+            return (SensorRepair("gyro_units", "gyro", text, unit),)
+    return (SensorRepair("time_step", "gyro"),) if abs(np.log(factor)) >= MIN_LOG_FACTOR else ()
 
 
 def axes_of(sign: int, frame: int, turns: Mapping[str, int]) -> dict[str, Array]:
@@ -205,21 +206,17 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
     as_few = [each for each in every if each.count == best.count and (any(fewest) or each in fit)]
     fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in as_few)]))
-    named_ones: Sequence[SensorRepair] = ()
-    others: list[tuple[SensorRepair, ...]] = []
-    if not fewer and len(fewest) <= MAX_ALTERNATIVES:
-        named_ones = best.repairs
-        others = [repairs for repairs in fewest if repairs != best.repairs]
-        fewest = []
-    elif not fewer:
-        named_ones = [repair for repair in best.repairs if all(repair in repairs for repairs in fewest)]
-    open_ones = dict.fromkeys(repair for repairs in (*fewest, *fewer) for repair in repairs)
+    every_one = [*fewest, *fewer]
+    is_open = len(fewest) > MAX_ALTERNATIVES or bool(fewer)
+    shared = tuple(repair for repair in best.repairs if all(repair in repairs for repairs in every_one))
+    named_ones = shared if is_open else best.repairs
     turns = zip(*[[fitting.turn for fitting in each.fittings] for each in as_few], strict=True)
+    open_ones = dict.fromkeys(repair for repairs in every_one for repair in repairs if repair not in named_ones)
     return Judgement(
         best,
-        tuple(named_ones),
-        tuple(others),
-        tuple(repair for repair in open_ones if repair not in named_ones),
+        named_ones,
+        () if is_open else tuple(repairs for repairs in fewest if repairs != best.repairs),
+        tuple(open_ones) if is_open else (),
         tuple(len({*each}) == 1 and not fewer for each in turns),
         bool(fewer),
     )

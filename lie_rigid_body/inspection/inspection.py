@@ -13,13 +13,17 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.inspection.comparison import SensorComparison, compare
 from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
-from lie_rigid_body.inspection.sentences import tell, tell_field_unit
+from lie_rigid_body.inspection.sentences import tell, tell_unit
 from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
 
-READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
-"""Arrays of the readings of each sensor."""
+READINGS: Final = {
+    "gyro": ("imu", "gyro"),
+    "accelerometer": ("imu", "specific_force"),
+    "magnetometer": ("magnetometer", "field"),
+}
+"""Sensors of a run and arrays of theirs that are the readings of each sensor of a log."""
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -54,9 +58,7 @@ class Inspection:
     def to_dict(self) -> dict[str, Any]:
         """Everything that was found as numbers, text and lists."""
         return {
-            "mistakes": [asdict(each) for each in self.mistakes],
-            "undecided": [asdict(each) for each in self.undecided],
-            "notes": [asdict(each) for each in self.notes],
+            **{name: [asdict(each) for each in getattr(self, name)] for name in ("mistakes", "undecided", "notes")},
             "sensors": {name: asdict(each) for name, each in self.sensors.items()},
             "passed": self.passed,
         }
@@ -69,9 +71,8 @@ class Inspection:
         Run
         """
         sensors = dict(self.run.sensors)
-        for sensor, name in READINGS.items():
-            key = _key(sensor)
-            if key in self._stamps:
+        for sensor, (key, name) in READINGS.items():
+            if key in self._stamps and getattr(sensors[key], name) is not None:
                 change = self._changes[sensor]
                 t_ns = self._stamps[key]
                 readings = (getattr(sensors[key], name) - change.offset) @ change.matrix.T
@@ -83,11 +84,6 @@ class Inspection:
                     readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
                 sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
         return replace(self.run, sensors=sensors)
-
-
-def _key(sensor: str) -> str:
-    """Key among the sensors of a run of the one that has these readings."""
-    return sensor if sensor == "magnetometer" else "imu"
 
 
 def inspect(run: Run) -> Inspection:
@@ -110,15 +106,15 @@ def inspect(run: Run) -> Inspection:
     require_run(run)
     found = Findings()
     stamps = _stamps(run, found)
-    streams = {
-        sensor: Stream.of(sensor, stamps[_key(sensor)], getattr(run.sensors[_key(sensor)], name))
-        for sensor, name in READINGS.items()
-        if _key(sensor) in stamps
-    }
     for key, t_ns in stamps.items():
         found.estimate(f"{key}_rate", float(f"{1e9 / np.median(np.diff(t_ns)):.7g}"))
-    if "imu" in stamps:
-        tell_noise(list(streams.values()), found)
+    streams = {
+        sensor: Stream.of(sensor, stamps[key], readings)
+        for sensor, (key, name) in READINGS.items()
+        if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
+    }
+    if "accelerometer" in streams:
+        tell_noise([*streams.values()], found)
     streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
     for stream in streams.values():
         tell_values(stream, found)
@@ -130,7 +126,7 @@ def inspect(run: Run) -> Inspection:
     if comparison is not None:
         tell(comparison, found)
     if "magnetometer" in streams:
-        tell_field_unit(_field(streams["magnetometer"], comparison), found)
+        tell_unit("magnetometer", _field(streams["magnetometer"], comparison), is_sure=True, found=found)
     return Inspection(
         tuple(found.mistakes),
         tuple(found.undecided.values()),

@@ -124,12 +124,20 @@ GRAVITY: Final = 9.80665
 """Standard gravity, m/s²."""
 ACCELEROMETER_UNITS: Final = {"m/s²": GRAVITY, "g": 1.0, "mg": 1e3, "cm/s²": 100.0 * GRAVITY}
 """Gravity in the units of accelerometers."""
-MAGNETOMETER_UNITS: Final = {"T": 1.0, "G": 1e-4, "µT": 1e-6, "mG": 1e-7, "nT": 1e-9}
-"""Teslas of the units of magnetometers."""
-FIELDS_T: Final = (1.2e-5, 1.2e-4)
-"""Sizes of a field that is the earth's, T: 22 to 67 µT, and as much again for iron."""
-FIELD_MARGIN: Final = 2.0
-"""Factor outside of these sizes up to which a magnet near by explains the field as well as a unit does."""
+FIELD_T: Final = 3.8e-5
+"""Size of the earth's field, T, within a factor of two."""
+MAGNETOMETER_UNITS: Final = {
+    "T": FIELD_T,
+    "G": FIELD_T * 1e4,
+    "µT": FIELD_T * 1e6,
+    "mG": FIELD_T * 1e7,
+    "nT": FIELD_T * 1e9,
+}
+"""This field in the units of magnetometers."""
+SAME_FIELD: Final = 1.15
+"""Logarithm of the ratio to it up to which a field is the earth's: 12 to 120 µT, as iron adds as much again."""
+OTHER_FIELD: Final = 1.85
+"""Logarithm of the ratio from which a unit explains the field, and a magnet near by does not."""
 SAME_UNIT: Final = 0.07
 """Logarithm of the ratio to a unit's gravity up to which it is this unit: healthy recordings have 0.015 at most."""
 OTHER_UNIT: Final = 0.15

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from lie_rigid_body.evaluation.statistics import rms
@@ -15,9 +17,6 @@ from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
     DIM_DELAY_S,
-    FIELD_MARGIN,
-    FIELDS_T,
-    GRAVITY,
     MAGNETOMETER_UNITS,
     MAX_SHAPE_ERROR,
     MAX_UNIT_LOG_ERROR,
@@ -26,7 +25,9 @@ from lie_rigid_body.inspection.rule import (
     MIN_GAIN,
     MIN_HARD_IRON,
     MIN_LOG_FACTOR,
+    OTHER_FIELD,
     OTHER_UNIT,
+    SAME_FIELD,
     SAME_UNIT,
     SIGMAS,
     TURNS,
@@ -44,6 +45,17 @@ _MEANINGS = {
     "× 180/π": "the gyro reads rates that were taken for degrees, and were none",
 }
 """Meanings of repairs by their codes, and of two by their texts."""
+_UNITS: Final = {
+    "accelerometer": (
+        "gravity",
+        ACCELEROMETER_UNITS,
+        SAME_UNIT,
+        OTHER_UNIT,
+        ("accelerometer_units", "gravity_removed"),
+    ),
+    "magnetometer": ("the field", MAGNETOMETER_UNITS, SAME_FIELD, OTHER_FIELD, ("magnetometer_units",)),
+}
+"""What has a known size, its sizes by their units, limits of the logarithm of their ratio, and codes."""
 
 
 def tell(comparison: SensorComparison, found: Findings) -> None:
@@ -74,10 +86,10 @@ def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
         codes = tuple(dict.fromkeys(each.code for each in also if each.code != repair.code))
         meaning = _meaning(repair) + text
         found.name(repair.code, repair.sensor, meaning, repair.text, or_else=codes, **comparison.misfits)
-        is_unit = repair.code == "gyro_units"
-        matrix = np.eye(3) * comparison.unit if is_unit else verdict.best.axes[repair.sensor]
         change = found.changes[repair.sensor]
-        change.matrix = matrix @ change.matrix
+        change.matrix = repair.unit * change.matrix
+        if repair.unit == 1.0:
+            change.matrix = verdict.best.axes[repair.sensor] @ change.matrix
     why = "fewer repairs nearly do" if verdict.fewer else "too many explanations do as well"
     for repair in verdict.undecided:
         found.ask(repair.code, f"{_meaning(repair)}, perhaps: {why}")
@@ -178,29 +190,17 @@ def _tell_hard_iron(each: Compared, found: Findings) -> None:
 def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found: Findings) -> None:
     """Tell a constant that was taken off the accelerometer, and the unit in which its size is that of gravity."""
     constants = each.constants
-    change = found.changes[each.sensor]
     if each.placed.misfits.vector.offset_cost != ACCELEROMETER_OFFSET_COST:  # free, as a constant was taken off
         given = numerals(-constants.offset)
         text = f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest"
         found.name("gravity_removed", each.sensor, text, f"+ ({given})", **comparison.misfits)
-        change.offset = constants.offset
+        found.changes[each.sensor].offset = constants.offset
     size = constants.size
-    unit, gravity, away = nearest_unit(size, ACCELEROMETER_UNITS)
     is_clear = (
         constants.misfit <= MAX_UNIT_MISFIT and constants.gain(MIN_HARD_IRON * size * constants.blind) >= MIN_GAIN
     )
     is_sure = is_clear and SIGMAS * comparison.log_factor_sigma <= MAX_UNIT_LOG_ERROR
-    if away >= SAME_UNIT and not (away >= OTHER_UNIT and is_sure):
-        for code in ("accelerometer_units", "gravity_removed"):
-            found.ask(code, f"{size:.4g} of the accelerometer's readings is constant in the world")
-        return
-    if away >= SAME_UNIT:
-        unit = "an unknown unit"
-        gravity = size
-    if unit != "m/s²":
-        text = f"the accelerometer reads {unit}: gravity is {size:.4g}"
-        found.name("accelerometer_units", each.sensor, text, f"× {GRAVITY / gravity:.6g}")
-        change.matrix *= GRAVITY / gravity
+    tell_unit(each.sensor, size, is_sure=is_sure, found=found)
 
 
 def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
@@ -226,28 +226,28 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     found.note("dip", text, dip)
 
 
-def tell_field_unit(size: float, found: Findings) -> None:
-    """Tell the unit of the magnetometer by the size of its readings.
+def tell_unit(sensor: str, size: float, *, is_sure: bool, found: Findings) -> None:
+    """Tell the unit of an accelerometer or a magnetometer, by the size of gravity or of the field in it.
 
     Parameters
     ----------
+    sensor : str
     size : float
-        Median size of the readings, less their offset where that is told, in their unit.
+        Size of the readings, in their unit.
+    is_sure : bool
+        Whether the size is known so well that it may be of an unknown unit.
     found : Findings
     """
-    name, unit = min(
-        MAGNETOMETER_UNITS.items(), key=lambda item: abs(np.log(size * item[1] / np.sqrt(np.prod(FIELDS_T))))
-    )
-    outside = max(FIELDS_T[0] / (size * unit), size * unit / FIELDS_T[1])
-    if 1.0 < outside < FIELD_MARGIN:
-        found.ask("magnetometer_units", f"the field is {size:.3g} in its unit, which may be {name}")
-    elif outside >= FIELD_MARGIN:
-        found.name("magnetometer_units", "magnetometer", f"the magnetometer reads counts: the field is {size:.4g}")
-    elif name != "T":
-        found.name(
-            "magnetometer_units",
-            "magnetometer",
-            f"the magnetometer reads {name}: the field is {size:.4g}",
-            f"× {unit:g}",
-        )
-        found.changes["magnetometer"].matrix *= unit
+    vector, units, same, other, codes = _UNITS[sensor]
+    unit, usual, away = nearest_unit(size, units)
+    si, si_size = next(iter(units.items()))
+    if away >= same and not (away >= other and is_sure):
+        for code in codes:
+            found.ask(code, f"{vector} is {size:.4g} in the {sensor}'s unit, which may be {unit}")
+    elif away >= other or unit != si:
+        told = unit if away < same else "an unknown unit, or counts"
+        is_known = away < same or sensor == "accelerometer"  # gravity has one size, the field has many
+        factor = si_size / (usual if away < same else size) if is_known else 1.0
+        repair = f"× {factor:.6g}" if is_known else ""
+        found.name(codes[0], sensor, f"the {sensor} reads {told}: {vector} is {size:.4g}", repair)
+        found.changes[sensor].matrix *= factor
