@@ -12,18 +12,21 @@ import numpy as np
 from lie_rigid_body.inspection.constants import Constants, Minimum, constants_of, refine
 from lie_rigid_body.inspection.explanations import Judgement, explanations, judged
 from lie_rigid_body.inspection.findings import Findings
-from lie_rigid_body.inspection.gravity import weight
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
+    GRAVITY,
     GYRO_HZ,
     GYROS,
     MAGNETOMETER_OFFSET_COST,
     MAX_CLIPPED,
     MAX_LOG_FACTOR_ERROR,
     MAX_MISFIT,
+    MAX_NO_GRAVITY,
     MAX_ROTATION_DEG,
     MAX_SPAN_NS,
     MAX_SWING,
+    MIN_GAIN,
+    MIN_TAKEN_OFF,
     REFINED_LOG_FACTOR,
     RIGHT,
     VECTOR_HZ,
@@ -183,17 +186,18 @@ def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
 def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator[Misfits]:
     """The vector, if some hypothesis makes it constant; an accelerometer that lost a constant is searched anew."""
     sensor = each.vector.sensor
-    held = weight(each)
-    if sensor == "accelerometer" and not held.is_healthy:
+    held = _best_constants(each)
+    if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
         free = Misfits(replace(each.vector, offset_cost=MAGNETOMETER_OFFSET_COST), each.world)
         search([free])
         if more:
             search([free], more)
-        freed = weight(free)
-        if freed.is_better_than(held):
+        freed = _best_constants(free)
+        is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
+        if is_taken_off and held.misfit > freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
             each = free
             held = freed
-        elif held.is_without_gravity:
+        elif held.size < MAX_NO_GRAVITY * GRAVITY:
             text = (
                 f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it "
                 "off, or the body falls freely"
@@ -202,12 +206,19 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
             found.name("gravity_removed", sensor, text, before=held.misfit, or_else=or_else)
             return
         elif held.has_unit:
-            found.ask("gravity_removed", f"{held.offset:.0%} of gravity are constant on the accelerometer's axes")
-    if held.misfit <= MAX_MISFIT:
+            found.ask("gravity_removed", f"{held.offset_share:.0%} of gravity are constant on the accelerometer's axes")
+    left = held.misfit * each.vector.size / held.size
+    if left <= MAX_MISFIT:
         yield each
         return
     for code in (f"{sensor}_axes", *(["gravity_removed"] if sensor == "accelerometer" else [])):
-        found.ask(code, f"no repair makes the {sensor} constant in the world, {held.misfit:.0%} of it remain")
+        found.ask(code, f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain")
+
+
+def _best_constants(each: Misfits) -> Constants:
+    """Constants under the hypothesis that fits a vector best."""
+    _, gyro, delay_s, turn = each.best()
+    return constants_of(Fitting(each, turn, delay_s), gyro)
 
 
 def _refined(verdict: Judgement) -> SensorComparison:

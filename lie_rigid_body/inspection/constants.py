@@ -6,7 +6,7 @@ and the slope g of each chunk, σ = √Σ(g − ḡ)² / H.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -17,19 +17,23 @@ from scipy.linalg import null_space
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.inspection.rule import (
+    ACCELEROMETER_UNITS,
     CHUNKS,
     DELAY_STEPS_S,
     EXCLUDED,
     INDEPENDENT_STEPS,
     LOG_FACTOR_STEPS,
     MAX_NEWTON_STEPS,
+    MAX_SWING,
     MIN_DELAY_S,
     MIN_GAIN,
     MIN_MISFIT,
     MIN_UNSEEN_S,
     SAME_DELAY_S,
+    SAME_UNIT,
     SHAPE_COST,
     SIGMAS,
+    SWING_LENGTH_S,
     TURNS,
     UNSEEN_SHARE,
     Gyro,
@@ -174,6 +178,8 @@ class Constants:
         Share of the vector.
     size : float
         RMS of what is constant in the world, in the unit of the readings.
+    swing : float
+        RMS of its change from window to window, as a share of it.
     rate_bias, rate_bias_sigma : ndarray, shape (3,)
         Bias of the gyro, rad/s, in its frame.
     offset, offset_sigma : ndarray, shape (3,)
@@ -190,6 +196,7 @@ class Constants:
 
     misfit: float
     size: float
+    swing: float
     rate_bias: Array
     rate_bias_sigma: Array
     offset: Array
@@ -199,6 +206,21 @@ class Constants:
     shape_sigma: Array
     shape_misfit: float
     shape_offset: float
+
+    @property
+    def offset_share(self) -> float:
+        """Size of the offset over that of the vector."""
+        return float(np.linalg.norm(self.offset)) / self.size
+
+    @property
+    def has_unit(self) -> bool:
+        """Whether the size is that of gravity in a known unit."""
+        return nearest_unit(self.size, ACCELEROMETER_UNITS)[2] < SAME_UNIT
+
+    @property
+    def is_gravity(self) -> bool:
+        """Whether the vector is gravity: it has its size, and stays."""
+        return self.has_unit and self.swing < MAX_SWING
 
     def gain(self, offset: Array) -> float:
         """Ratio of the misfit at so much another offset to the least one."""
@@ -211,23 +233,33 @@ class Constants:
         return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
 
 
+def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, float]:
+    """Unit in which a size is most like the one of a table, this, and the logarithm of their ratio."""
+    unit, known = min(units.items(), key=lambda item: abs(np.log(size / item[1])))
+    return unit, known, abs(float(np.log(size / known)))
+
+
 def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     """Fit what is constant of a vector in the windows that tell most about it."""
     vector = placed.misfits.vector
     turn = TURNS[placed.turn]
     start = OF_TURNS[placed.turn]
     changes = OF_CONSTANTS[placed.turn]
-    (windows,) = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s)
+    length_s = min(placed.misfits.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
+    windows, swinging = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s, length_s)
     grams = gram(windows, CHUNKS)
     fit, errors, inverse = _fitted(grams, start, changes, vector.costs)
     others = null_space(turn.reshape(1, 9))  # 8 directions square to the turn
     stretched = np.hstack([changes, np.pad(others, ((0, 30), (0, 0)))])
     shape, shape_errors, _ = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
     to_readings = turn.T * vector.size
+    means = mean_vectors(swinging, fit.column) * vector.size
+    size = rms(np.linalg.norm(means, axis=1))
     growth = np.linalg.inv(inverse[:3, :3]) - vector.offset_cost * np.eye(3)
     return Constants(
         float(fit.misfit),
-        rms(np.linalg.norm(mean_vectors(windows, fit.column), axis=1)) * vector.size,
+        size,
+        rms(np.linalg.norm(np.diff(means[::2], axis=0), axis=1)) / size,
         fit.constants[3:],
         errors[3:],
         to_readings @ fit.constants[:3],

@@ -9,10 +9,9 @@ import numpy as np
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.wording import components, numerals
 from lie_rigid_body.inspection.comparison import Compared, SensorComparison
-from lie_rigid_body.inspection.constants import Minimum, constants_of, other_delays
+from lie_rigid_body.inspection.constants import Minimum, constants_of, nearest_unit, other_delays
 from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
-from lie_rigid_body.inspection.gravity import nearest_unit
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
@@ -168,7 +167,7 @@ def _tell_hard_iron(each: Compared, found: Findings) -> None:
     """Tell the size of the field, and hard and soft iron."""
     constants = each.constants
     size = constants.size
-    share = float(np.linalg.norm(constants.offset)) / size
+    share = constants.offset_share
     found.note("field", f"the field has a size of {size:.4g} in the readings' unit", size)
     if each.is_told:
         found.estimate("magnetometer_hard_iron", constants.offset, constants.offset_sigma)
