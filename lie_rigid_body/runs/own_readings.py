@@ -72,22 +72,22 @@ def truth_of(log: Log, given: GivenTruth) -> SampledTruth | None:
     """The truth as it is given; attitudes of NaN, where cameras lost the body, are gaps of it."""
     if given is None:
         return None
-    if isinstance(given, SampledTruth):
-        given = given.stamps_ns, given.at(given.stamps_ns)
     if isinstance(given, str | Path):
         is_file = Path(given).exists()
         if not is_file and log.gyro.arrival_ns is None:
             raise InputError(f"truth {given} is no file, and {log.name} no bag with topics: give its path")
         times, poses = stamped_poses(given if is_file else log.name, None if is_file else f"{given}")
         given = times, poses[:, 3:]
-    if not isinstance(given, tuple) or len(given) != 2:
+    known = given
+    if isinstance(given, tuple) and len(given) == 2:
+        stamps, attitude = map(np.asarray, given)
+        if attitude.shape == (*stamps.shape, 4) and attitude.dtype.kind == "f":
+            seen = ~np.isnan(attitude).all(axis=-1)
+            stamps = stamps[seen]
+            attitude = attitude[seen]
+        known = SampledTruth(stamps, attitude)
+    if not isinstance(known, SampledTruth):
         raise InputError("truth: give (t_ns, attitude_xyzw), a SampledTruth, a file, or a topic of the log")
-    stamps = np.asarray(given[0])
-    attitude = np.asarray(given[1])
-    if attitude.ndim == 2 and stamps.shape == attitude.shape[:1] and attitude.dtype.kind == "f":
-        seen = ~np.isnan(attitude).all(axis=1)
-        stamps, attitude = stamps[seen], attitude[seen]
-    known = SampledTruth(stamps, attitude)
     require_overlap(log.name, {"truth": known.stamps_ns, "log": log.gyro.t_ns}, "bring them to one clock")
     return known
 

@@ -91,15 +91,14 @@ def _chosen(path: Path, contents: McapContents, kind: str, option: str, given: s
     """The topic of a type that is given, or the only one; None where no magnetometer is there."""
     tracks = [track for track in contents.tracks.values() if track.count and not track.topic.endswith(_TRUE)]
     alike = {track.topic: track for track in tracks if track.message_type == kind}
-    if given is not None and given not in alike:
-        there = listed([*alike]) or "none"
-        raise BagError(f"{path} has no messages of {kind} on {shown(given)}: topics of that type are {there}")
-    if given is None and len(alike) > 1:
-        raise BagError(f"{path} has several topics of {kind}, {listed([*alike])}: choose one by {option}")
-    if not alike and kind == IMU:
-        there = listed([f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
-        raise BagError(f"{path} has no messages of {kind}, but {there}: record the IMU")
-    return alike.get(given) if given is not None else next(iter(alike.values()), None)
+    wanted = [*alike] if given is None else [given]
+    if len(wanted) == 1 and wanted[0] in alike:
+        return alike[wanted[0]]
+    if not wanted and kind != IMU:
+        return None
+    there = listed([*alike] or [f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
+    asked = "" if given is None else f", and none is {shown(given)}"
+    raise BagError(f"{path} has {len(alike)} topics of {kind}: there is {there}{asked}: choose one by {option}")
 
 
 def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[str, Vectors]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from datetime import date
 from decimal import Decimal
@@ -89,26 +89,24 @@ def as_number(text: str) -> float:
     return number
 
 
-def first_times(texts: Sequence[str]) -> tuple[Array, bool]:
-    """Times among some texts, as numbers, in s where they are times of day, and whether they are."""
-    filled = [text for text in texts if text]
-    of_day = _read_by(clock_ns, filled)
-    return np.array(of_day or _read_by(as_number, filled)) / (NS if of_day else 1.0), bool(of_day)
+def value_of(text: str) -> float:
+    """A number, or a time of day, s; NaN for what is neither."""
+    for read, unit in ((as_number, 1.0), (clock_ns, float(NS))):
+        with suppress(ValueError):
+            return read(text) / unit
+    return np.nan
 
 
 def is_row(texts: Sequence[str]) -> bool:
     """Whether cells are those of a row: most that are filled are numbers or times of day."""
     filled = [text for text in texts if text]
-    return 2 * len(_read_by(as_number, filled) + _read_by(clock_ns, filled)) > len(filled)
+    return 2 * int(np.isfinite([value_of(text) for text in filled]).sum()) > len(filled)
 
 
-def _read_by(read: Callable[[str], float], texts: Sequence[str]) -> list[float]:
-    """What is read of the texts that can be."""
-    found = []
-    for text in texts:
-        with suppress(ValueError):
-            found.append(read(text))
-    return found
+def first_times(texts: Sequence[str]) -> Array:
+    """Times among some texts, as numbers, in s where they are times of day."""
+    found = np.array([value_of(text) for text in texts])
+    return found[np.isfinite(found)]
 
 
 @short_dataclass(frozen=True)
@@ -163,8 +161,8 @@ def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
     Clock or None
         None if they are no times, or neither name, size nor steps tell the unit.
     """
-    numbers, of_day = first_times(texts)
-    if of_day:
+    numbers = first_times(texts)
+    if len(numbers) and ":" in "".join(texts):
         return Clock(0, "a time of day")
     words = [word for word in head.words if len(word) > 1]
     keys = [key for key in map(unit_key, (head.unit, unit, *words)) if key in UNITS[TIME]]
@@ -188,5 +186,6 @@ def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
 
 def share_that_rises(texts: Sequence[str]) -> float:
     """Share of times that rise, in tenths, a little less where they are no numbers."""
-    numbers, of_day = first_times(texts)
+    numbers = first_times(texts)
+    of_day = ":" in "".join(texts)
     return round(float(np.mean(np.diff(numbers) > 0)), 1) - 0.01 * of_day if len(numbers) > 1 else -1.0
