@@ -28,7 +28,6 @@ from lie_rigid_body.inspection.rule import (
     MIN_GAIN,
     MIN_TAKEN_OFF,
     REFINED_LOG_FACTOR,
-    RIGHT,
     VECTOR_HZ,
     Gyro,
 )
@@ -72,21 +71,21 @@ class SensorComparison:
     verdict : Judgement
     gyro : Gyro
         With the fitted factor.
-    log_factor_sigma : float
-        Standard error of the logarithm of the factor.
+    factor : Minimum
+        Logarithm of its factor.
     vectors : tuple of Compared
     """
 
     verdict: Judgement
     gyro: Gyro
-    log_factor_sigma: float
+    factor: Minimum
     vectors: tuple[Compared, ...]
 
     @property
     def misfits(self) -> dict[str, float]:
         """Largest misfit of a vector before the repairs and after them."""
         return {
-            "before": max(plain_misfit(each.placed.misfits) for each in self.vectors),
+            "before": max(each.placed.misfits.plain for each in self.vectors),
             "after": max(each.constants.misfit for each in self.vectors),
         }
 
@@ -94,12 +93,6 @@ class SensorComparison:
     def unit(self) -> float:
         """Factor of the gyro's unit, if one is named; else 1."""
         return float(np.prod([repair.unit for repair in self.verdict.named]))
-
-
-def plain_misfit(found: Misfits) -> float:
-    """Misfit of a vector without a repair."""
-    delays, misfits = found.by_delay(RIGHT)
-    return float(misfits[np.abs(delays).argmin(), 0])
 
 
 def liveliest(gyro: Stream) -> Stream:
@@ -120,53 +113,62 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
     found : Findings
     """
     gyro = liveliest(gyro)
+    vectors = list(_vectors(gyro, others, found))
+    if not vectors:
+        return None
+    turned = np.quantile(np.linalg.norm(gyro.readings, axis=1), 0.9) * max(each.step_s for each in (gyro, *others))
+    largest = np.abs(gyro.readings).max(axis=1)
+    if found.has("clipped", "gyro") and np.mean(largest == largest.max()) > MAX_CLIPPED:
+        verdict: Judgement | str = "the gyro reaches its range too often"
+    else:
+        verdict = _verdict(vectors, float(np.degrees(turned)), found)
+    if isinstance(verdict, Judgement):
+        return _refined(verdict)
+    axes = [f"{each.vector.sensor}_axes" for each in vectors]
+    for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
+        found.ask(code, verdict)
+    return None
+
+
+def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterator[Misfits]:
+    """Vectors that have enough time in common with the gyro."""
     begin_ns = int(gyro.t_ns[0])
     t_s, rate = gyro.averaged(GYRO_HZ, begin_ns)
     world = lru_cache(KEPT_WORLDS)(lambda gyro: integrated(t_s, gyro.multiplier * rate))
-    vectors = []
-    step_s = gyro.step_s
-    for other in others:
-        stream = other.between(begin_ns, int(gyro.t_ns[-1]))
-        averaged = stream.averaged(VECTOR_HZ, begin_ns)
+    for stream in others:
+        averaged = stream.between(begin_ns, int(gyro.t_ns[-1])).averaged(VECTOR_HZ, begin_ns)
         each = Misfits(Vector.of_readings(stream.sensor, *averaged, OFFSET_COSTS[stream.sensor]), world)
         if each.lengths_s:
-            vectors.append(each)
-            step_s = max(step_s, stream.step_s)
+            yield each
         else:
             found.ask(f"{stream.sensor}_axes", "the log has too little of this sensor together with the gyro")
-    if not vectors:
-        return None
-    largest = np.abs(gyro.readings).max(axis=1)
-    if found.has("clipped", "gyro") and np.mean(largest == largest.max()) > MAX_CLIPPED:
-        _untold(vectors, "the gyro reaches its range too often", found)
-        return None
+
+
+def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> Judgement | str:
+    """Choice of the rule, or why there is none.
+
+    Parameters
+    ----------
+    vectors : sequence of Misfits
+    turned_deg : float
+        Rotation from one reading to the next, nine in ten, if the gyro is right, degrees.
+    found : Findings
+    """
     more = _searched(vectors)
-    fast = np.quantile(np.linalg.norm(gyro.readings, axis=1), 0.9)
-    turned_deg = np.degrees(fast) * step_s
     clearest = max((each.best()[1] for each in vectors), key=lambda one: max(each.contrast(one) for each in vectors))
     if turned_deg * min(clearest.factor, 1.0) > MAX_ROTATION_DEG:  # larger ones are found where nothing fits
-        _untold(vectors, "the log is too slow for its motion: record it at a higher rate, or", found)
-        return None
+        return "the log is too slow for its motion: record it at a higher rate, or"
     vectors = [fit for each in vectors for fit in _explained(each, more, found)]
     every = explanations(vectors, (*GYROS, *more)) if vectors else []
     if not every:
-        _untold(vectors, "no one gyro explains all other sensors", found)
-        return None
+        return "no one gyro explains all other sensors"
     verdict = judged(every)
     factor = verdict.best.gyro.factor
     if all(len(each.turns(verdict.best.gyro)) > 1 for each in vectors):
         factor = max(factor, 1.0)  # about one axis a slow gyro fits where a fast one skips turns
-    if turned_deg * factor > MAX_ROTATION_DEG:
-        _untold(vectors, "the gyro that fits best turns too far between readings", found)
-        return None
-    return _refined(verdict)
-
-
-def _untold(vectors: Sequence[Misfits], why: str, found: Findings) -> None:
-    """List all that a model would tell as undecided."""
-    axes = [f"{each.vector.sensor}_axes" for each in vectors]
-    for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
-        found.ask(code, why)
+    return (
+        "the gyro that fits best turns too far between readings" if turned_deg * factor > MAX_ROTATION_DEG else verdict
+    )
 
 
 def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
@@ -175,8 +177,8 @@ def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
     more: list[Gyro] = []
     for each in vectors:
         _, gyro, delay_s, turn = each.best()
-        refined, sigma, _ = refine([Fitting(each, turn, delay_s)], gyro)
-        if abs(np.log(refined.factor / gyro.factor)) > REFINED_LOG_FACTOR and sigma < MAX_LOG_FACTOR_ERROR:
+        refined, factor, _ = refine([Fitting(each, turn, delay_s)], gyro)
+        if abs(np.log(refined.factor / gyro.factor)) > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
             more.extend(Gyro(sign, refined.factor) for sign in (gyro.sign, -gyro.sign))
     if more:
         search(vectors, more)
@@ -224,9 +226,9 @@ def _best_constants(each: Misfits) -> Constants:
 def _refined(verdict: Judgement) -> SensorComparison:
     """The explanation that the rule chose, with its constants fitted."""
     best = verdict.best
-    gyro, sigma, delays = refine(best.fittings, best.gyro)
+    gyro, factor, delays = refine(best.fittings, best.gyro)
     compared = []
     for each, delay, is_told in zip(best.fittings, delays, verdict.turns_told, strict=True):
         moved = each._replace(delay_s=delay.place)
         compared.append(Compared(each.sensor, moved, delay, constants_of(moved, gyro), is_told))
-    return SensorComparison(verdict, gyro, sigma, tuple(compared))
+    return SensorComparison(verdict, gyro, factor, tuple(compared))

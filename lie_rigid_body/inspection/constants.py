@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
+from scipy.signal import argrelmin
 
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
@@ -70,11 +71,10 @@ class Minimum(NamedTuple):
         """Whether two delays are one of the gyro, as far as the log sees."""
         return abs(self.place - other.place) < max(MIN_UNSEEN_S, self.unseen, other.unseen)
 
-    @property
-    def is_late(self) -> bool:
-        """Whether the delay is a mistake."""
-        gain = np.hypot(1.0, self.slope * self.place / self.level)
-        return abs(self.place) > max(MIN_DELAY_S, SIGMAS * self.sigma) and bool(gain > MIN_GAIN)
+    def is_far(self, change: float, limit: float) -> bool:
+        """Whether the constant less so much is a mistake: larger than a limit, sure, and seen in the misfit."""
+        gain = np.hypot(1.0, self.slope * change / self.level)
+        return abs(change) > max(limit, SIGMAS * self.sigma) and bool(gain > MIN_GAIN)
 
 
 def minimum(squares: Callable[[float], Array], place: float, step: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:
@@ -127,7 +127,7 @@ def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list
         return []
     delays, misfits = placed.misfits.by_delay(tried)
     values = misfits[:, placed.turn]
-    inner = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] < values[2:])) + 1
+    (inner,) = argrelmin(values)
     found = [fit_delay(placed._replace(delay_s=float(delays[i])), gyro, DELAY_STEPS_S[0]) for i in inner]
     return [
         each.place
@@ -136,22 +136,21 @@ def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list
     ]
 
 
-def refine(placed: Sequence[Fitting], gyro: Gyro) -> tuple[Gyro, float, list[Minimum]]:
+def refine(placed: Sequence[Fitting], gyro: Gyro) -> tuple[Gyro, Minimum, list[Minimum]]:
     """Fit delays and the gyro's factor in turn, from those of an explanation on.
 
     Returns
     -------
     gyro : Gyro
-    sigma : float
-        Standard error of the logarithm of its factor.
+    factor : Minimum
+        Logarithm of its factor.
     delays : list of Minimum
         Those of the vectors.
     """
-    sign = gyro.sign
 
     def of_factor(log_factor: float) -> Array:
         """Squared misfits of the chunks of all vectors, each over that of the vector."""
-        other = Gyro(sign, round(float(np.exp(log_factor)), 9))
+        other = gyro._replace(factor=float(np.exp(log_factor)))
         fits = zip(placed, delays, strict=True)
         return np.concatenate(
             [each.squares(other, each.misfits.length_s, delay.place) / delay.level**2 for each, delay in fits]
@@ -160,12 +159,10 @@ def refine(placed: Sequence[Fitting], gyro: Gyro) -> tuple[Gyro, float, list[Min
     delays = [fit_delay(each, gyro, DELAY_STEPS_S[0]) for each in placed]
     for factor_step, step_s in zip(LOG_FACTOR_STEPS, DELAY_STEPS_S[1:], strict=True):
         factor = minimum(of_factor, np.log(gyro.factor), factor_step)
-        gyro = Gyro(sign, round(float(np.exp(factor.place)), 9))
-        delays = [
-            fit_delay(each._replace(delay_s=delay.place), gyro, step_s)
-            for each, delay in zip(placed, delays, strict=True)
-        ]
-    return gyro, factor.sigma, delays
+        gyro = gyro._replace(factor=float(np.exp(factor.place)))
+        placed = [each._replace(delay_s=delay.place) for each, delay in zip(placed, delays, strict=True)]
+        delays = [fit_delay(each, gyro, step_s) for each in placed]
+    return gyro, factor, delays
 
 
 @dataclass(frozen=True, eq=False)

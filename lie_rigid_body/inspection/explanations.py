@@ -82,11 +82,6 @@ class SensorExplanation:
         """Number of repairs."""
         return len(self.repairs) + len(self.late)
 
-    @property
-    def keeps_gyro(self) -> bool:
-        """Whether the readings of the gyro stay as they are."""
-        return all(repair.sensor != "gyro" for repair in self.repairs)
-
 
 @dataclass(frozen=True)
 class Judgement:
@@ -165,7 +160,7 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     fittings = []
     for turn, best in enumerate(ratios.argmin(axis=0)):
         plain = short[ratios[short, turn].argmin()]
-        for place in [plain] if best in short else [plain, best]:
+        for place in {plain, best}:
             fittings.append(Fitting(found, turn, float(delays[place]), float(ratios[place, turn]), place not in short))
     return [each for each in fittings if each.ratio <= EXCLUDED]
 
@@ -189,7 +184,7 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Sensor
                 if new.ratio <= TOLD_APART:
                     most = min(most, new.count)
     few = [each for each in every.values() if each.count <= most < np.inf]
-    return sorted(few, key=lambda each: (each.count, not each.keeps_gyro, each.ratio))
+    return sorted(few, key=lambda each: (each.count, "gyro" in {repair.sensor for repair in each.repairs}, each.ratio))
 
 
 def judged(every: Sequence[SensorExplanation]) -> Judgement:

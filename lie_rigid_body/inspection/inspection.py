@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.inspection.comparison import SensorComparison, compare
+from lie_rigid_body.inspection.comparison import compare
 from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
 from lie_rigid_body.inspection.sentences import tell, tell_unit
@@ -126,7 +126,9 @@ def inspect(run: Run) -> Inspection:
     if comparison is not None:
         tell(comparison, found)
     if "magnetometer" in streams:
-        tell_unit("magnetometer", _field(streams["magnetometer"], comparison), is_sure=True, found=found)
+        iron = found.sensors.get("magnetometer_hard_iron")
+        field = streams["magnetometer"].readings - (iron.value if iron else 0.0)
+        tell_unit("magnetometer", float(np.median(np.linalg.norm(field, axis=1))), is_sure=True, found=found)
     return Inspection(
         tuple(found.mistakes),
         tuple(found.undecided.values()),
@@ -153,10 +155,3 @@ def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
             found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
             stamps["magnetometer"] = other - other[0] + imu[0]
     return stamps
-
-
-def _field(stream: Stream, comparison: SensorComparison | None) -> float:
-    """Median size of the readings of a magnetometer, less their offset where it is told."""
-    told = [each for each in comparison.vectors if each.sensor == stream.sensor and each.is_told] if comparison else []
-    offset = told[0].constants.offset if told else np.zeros(3)
-    return float(np.median(np.linalg.norm(stream.readings - offset, axis=1)))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from itertools import product
+from heapq import nlargest
+from itertools import chain, product
 from operator import itemgetter
 from typing import Final, NamedTuple
 
@@ -87,6 +88,11 @@ class Misfits:
         delays = sorted(delay for each, delay in self._found if each == gyro)
         return np.array(delays), np.array([self._found[gyro, delay][self.length_s] for delay in delays])
 
+    @property
+    def plain(self) -> float:
+        """Misfit without a repair."""
+        return float(self._found[RIGHT, 0.0][self.length_s][0])
+
     def turns(self, gyro: Gyro) -> Integers:
         """Turns that are not excluded with a gyro."""
         return np.flatnonzero(self.by_delay(gyro)[1].min(axis=0) <= EXCLUDED * self.best()[0])
@@ -166,6 +172,8 @@ def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:
 
 def _likely(found: Sequence[Misfits]) -> tuple[Gyro, ...]:
     """The two gyros that fit best all vectors, and each, and the right one."""
-    contrasts = np.log([[each.contrast(gyro) for gyro in GYROS] for each in found])
-    orders = np.argsort(-np.vstack([contrasts.sum(axis=0), contrasts]), axis=1, kind="stable")
-    return tuple(dict.fromkeys([*(GYROS[i] for i in orders[:, :2].ravel()), RIGHT]))
+    best = [
+        nlargest(2, GYROS, key=lambda gyro: float(np.prod([each.contrast(gyro) for each in group])))
+        for group in (found, *([each] for each in found))
+    ]
+    return tuple(dict.fromkeys([*chain(*best), RIGHT]))

@@ -9,7 +9,7 @@ import numpy as np
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.wording import components, numerals
 from lie_rigid_body.inspection.comparison import Compared, SensorComparison
-from lie_rigid_body.inspection.constants import Minimum, constants_of, nearest_unit, other_delays
+from lie_rigid_body.inspection.constants import Minimum, nearest_unit, other_delays
 from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
@@ -30,7 +30,6 @@ from lie_rigid_body.inspection.rule import (
     SAME_UNIT,
     SIGMAS,
     TURNS,
-    Gyro,
 )
 from lie_rigid_body.inspection.world import gram, mean_vectors
 
@@ -89,9 +88,8 @@ def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
         change.matrix = repair.unit * change.matrix
         if repair.unit == 1.0:
             change.matrix = verdict.best.axes[repair.sensor] @ change.matrix
-    why = "fewer repairs nearly do" if verdict.fewer else "too many explanations do as well"
     for repair in verdict.undecided:
-        found.ask(repair.code, f"{_meaning(repair)}, perhaps: {why}")
+        found.ask(repair.code, f"{_meaning(repair)}, perhaps: other explanations do as well, or fewer repairs nearly")
 
 
 def _meaning(repair: SensorRepair) -> str:
@@ -114,17 +112,10 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     verdict = comparison.verdict
     unit = comparison.unit
     factor = comparison.gyro.factor / unit
-    sigma = comparison.log_factor_sigma
+    sigma = comparison.factor.sigma
     codes = {repair.code for each in (verdict.named, *verdict.or_else) for repair in each}
     told = not verdict.fewer and (unit != 1.0 or "gyro_units" not in codes)
-    without = Gyro(comparison.gyro.sign, unit)
-    if (
-        told
-        and abs(np.log(factor)) > max(MIN_LOG_FACTOR, SIGMAS * sigma)
-        and any(
-            constants_of(each.placed, without).misfit > MIN_GAIN * each.constants.misfit for each in comparison.vectors
-        )
-    ):
+    if told and comparison.factor.is_far(float(np.log(factor)), MIN_LOG_FACTOR):
         text = f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}"
         found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
         found.changes["gyro"].matrix *= factor
@@ -143,7 +134,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         if others:
             text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
             found.ask(code, f"the motion recurs, so that {text} do as well")
-        elif delay.is_late and each.is_told:
+        elif delay.is_far(delay.place, MIN_DELAY_S) and each.is_told:
             late[each.sensor] = delay
         elif abs(delay.place) > MIN_DELAY_S or delay.unseen > DIM_DELAY_S:
             found.ask(code, f"a delay of the {each.sensor} of {delay.unseen:.2g} s is not seen")
@@ -198,7 +189,7 @@ def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found:
     is_clear = (
         constants.misfit <= MAX_UNIT_MISFIT and constants.gain(MIN_HARD_IRON * size * constants.blind) >= MIN_GAIN
     )
-    is_sure = is_clear and SIGMAS * comparison.log_factor_sigma <= MAX_UNIT_LOG_ERROR
+    is_sure = is_clear and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
     tell_unit(each.sensor, size, is_sure=is_sure, found=found)
 
 

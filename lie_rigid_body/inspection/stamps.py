@@ -183,7 +183,7 @@ def tell_values(stream: Stream, found: Findings) -> None:
     for axis, values, step in zip(AXES, stream.readings.T, steps, strict=True):
         reached = [top for side in (values, -values) if (top := clipped_at(side, step)) is not None]
         text = f"{axis} of the {name} stays at {values[0]:.4g}"
-        if np.ptp(values) <= STUCK_SHARE * span.max() and span.any():
+        if np.ptp(values) < STUCK_SHARE * span.max():
             if _is_noisy(stream.readings):
                 found.name("stuck", name, text)
             else:

@@ -12,6 +12,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import interp1d
 from scipy.linalg import block_diag
 
@@ -62,8 +63,7 @@ def integrated(t_s: Array, rate: Array) -> World:
         attitude[reach:] = quaternion.multiply(attitude[:-reach], attitude[reach:])
         reach *= 2
     rotation = quaternion.to_matrix(attitude)
-    pieces = (rotation[1:] + rotation[:-1]) / 2.0 * steps[..., np.newaxis]
-    integral = np.cumsum(np.concatenate([np.zeros((1, 3, 3)), pieces]), axis=0)
+    integral = cumulative_trapezoid(rotation, t_s, axis=0, initial=0)
     return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 
 
