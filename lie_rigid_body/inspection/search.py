@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from heapq import nlargest
@@ -33,65 +34,67 @@ class Misfits:
     ----------
     lengths_s : tuple of float
         Lengths of windows, s, of which there are enough; empty where there is too little time.
-    length_s : float
-        Length of those in which the best hypothesis stands out most.
     """
 
     def __init__(self, vector: Vector, world: Callable[[Gyro], World]) -> None:
         self.vector = vector
         self.world = world
         self.lengths_s = vector.lengths_s(world(RIGHT).x)
-        self.length_s = 0.0
-        self._found: dict[tuple[Gyro, float], dict[float, Array]] = {}
+        self._chosen = 0
+        self._found: defaultdict[Gyro, dict[float, Array]] = defaultdict(dict)
+
+    @property
+    def length_s(self) -> float:
+        """Length of the windows, s, in which the best hypothesis stands out most."""
+        return self.lengths_s[self._chosen]
 
     def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
         """Windows of each length under a hypothesis."""
         return self.vector.windows(self.world(gyro), delay_s, *lengths_s)
 
     def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
-        """Try all turns with one gyro and one delay, s."""
+        """Try all turns with one gyro and one delay, s, in windows of each length."""
         windows = self.windows(gyro, delay_s, *self.lengths_s)
-        fits = [self.vector.fit(gram(each)).misfit for each in windows]
-        self._found[gyro, delay_s] = dict(zip(self.lengths_s, fits, strict=True))
+        self._found[gyro][delay_s] = np.array([self.vector.fit(gram(each)).misfit for each in windows])
 
     @cached_property
-    def _usual(self) -> dict[float, float]:
+    def _usual(self) -> Array:
         """How well a usual hypothesis fits, in windows of each length: the median of the first ones."""
-        first = [self._found[gyro, 0.0] for gyro in GYROS]
-        return {length: float(np.median([each[length] for each in first])) for length in self.lengths_s}
+        return np.asarray(np.median([self._found[gyro][0.0] for gyro in GYROS], axis=(0, 2)))
 
     def contrast(self, gyro: Gyro) -> float:
         """How much better than a usual hypothesis a gyro fits at best."""
-        found = [by for (each, _), by in self._found.items() if each == gyro]
-        return max(usual / float(by[length].min()) for by in found for length, usual in self._usual.items())
+        return max(float((self._usual / misfits.min(axis=1)).max()) for misfits in self._found[gyro].values())
 
-    def best(self, length_s: float | None = None) -> tuple[float, Gyro, float, int]:
-        """Least misfit in windows of a length, with its gyro, delay, s, and turn."""
-        length_s = length_s or self.length_s
-        found = [(by[length_s], *key) for key, by in self._found.items()]
-        every = [(float(misfit.min()), gyro, delay, int(misfit.argmin())) for misfit, gyro, delay in found]
+    def best(self, length: int | None = None) -> tuple[float, Gyro, float, int]:
+        """Least misfit in windows of the chosen length, or of another by its index, with gyro, delay, s, and turn."""
+        which = self._chosen if length is None else length
+        every = [
+            (float(misfits[which].min()), gyro, delay, int(misfits[which].argmin()))
+            for gyro, by_delay in self._found.items()
+            for delay, misfits in by_delay.items()
+        ]
         return min(every, key=itemgetter(0))
 
     def choose_length(self) -> None:
         """Choose the windows in which the best hypothesis stands out most, if they leave much of the vector."""
         merits = []
-        for length_s in self.lengths_s:
-            least, gyro, delay_s, turn = self.best(length_s)
+        for i, length_s in enumerate(self.lengths_s):
+            least, gyro, delay_s, turn = self.best(i)
             (windows,) = self.windows(gyro, delay_s, length_s)
             means = mean_vectors(windows, self.vector.fit(gram(windows)).column[turn])
-            is_told = rms(np.linalg.norm(means, axis=1)) > MIN_SHARE_LEFT
-            merits.append((is_told, self._usual[length_s] / least, length_s))
-        self.length_s = max(merits)[2]
+            merits.append((rms(np.linalg.norm(means, axis=1)) > MIN_SHARE_LEFT, self._usual[i] / least, i))
+        self._chosen = max(merits)[2]
 
     def by_delay(self, gyro: Gyro) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
-        delays = sorted(delay for each, delay in self._found if each == gyro)
-        return np.array(delays), np.array([self._found[gyro, delay][self.length_s] for delay in delays])
+        delays = sorted(self._found[gyro])
+        return np.array(delays), np.array([self._found[gyro][delay][self._chosen] for delay in delays])
 
     @property
     def plain(self) -> float:
         """Misfit without a repair."""
-        return float(self._found[RIGHT, 0.0][self.length_s][0])
+        return float(self._found[RIGHT][0.0][self._chosen, 0])
 
     def turns(self, gyro: Gyro) -> Integers:
         """Turns that are not excluded with a gyro."""

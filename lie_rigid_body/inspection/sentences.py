@@ -141,14 +141,12 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         else:
             text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
             found.note(code, text, delay.place)
+    is_alike = all(one.is_like(other) for one in late.values() for other in delays.values())
     named = {sensor: delay.place for sensor, delay in late.items()}
-    is_alike = all(one.is_like(other) for one in delays.values() for other in delays.values())
-    if len(late) == 2 and is_alike:
+    if is_alike and len(late) == 2:
         named = {"gyro": -float(np.mean([*named.values()]))}
+    or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
     for sensor, delay_s in named.items():
-        beside = [delay for other, delay in delays.items() if other != sensor]
-        is_unseen = len(late) == 1 and all(abs(other.place - delay_s) < other.unseen for other in beside)
-        or_else = ("gyro_late",) if is_unseen else ()
         text = f"the {sensor} is {delay_s * 1e3:.0f} ms late against the others"
         found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
         found.changes[sensor].delay_s = delay_s

@@ -68,9 +68,8 @@ class Stream:
         """Means over as many readings as leave a rate, Hz: times since an origin, s, and readings."""
         seconds = float(np.ptp(self.t_ns)) / 1e9 if len(self.t_ns) else 0.0
         size = max(int(len(self.t_ns) / rate_hz / max(seconds, 1e-9)), 1)
-        used = len(self.t_ns) // size * size
-        since = (self.t_ns[:used] - origin_ns).reshape(-1, size).mean(axis=1) / 1e9
-        return since, self.readings[:used].reshape(-1, size, 3).mean(axis=1)
+        rows = np.arange(len(self.t_ns) // size * size).reshape(-1, size)
+        return (self.t_ns - origin_ns)[rows].mean(axis=1) / 1e9, self.readings[rows].mean(axis=1)
 
 
 def checked_stamps(sensor: str, t_ns: Integers, widest_ns: Integers, found: Findings) -> Integers:
@@ -159,8 +158,8 @@ def clipped_at(values: Array, step: float | None) -> float | None:
     is_long = lasts - firsts + 1 >= CLIPPED_READINGS
     if is_long.sum() < 2:
         return None
-    beside = np.concatenate([np.maximum(firsts[is_long] - 1, 0), np.minimum(lasts[is_long] + 1, len(values) - 1)])
-    drop = float(np.median(top - values[beside]))
+    beside = np.append(firsts[is_long] - 1, lasts[is_long] + 1)
+    drop = float(np.median(top - values[np.clip(beside, 0, len(values) - 1)]))
     least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0), ROUND_OFF)
     return float(top) if drop > least else None
 
