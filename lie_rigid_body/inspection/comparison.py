@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
@@ -33,7 +33,7 @@ from lie_rigid_body.inspection.rule import (
 )
 from lie_rigid_body.inspection.search import Fitting, Misfits, search
 from lie_rigid_body.inspection.stamps import Stream
-from lie_rigid_body.inspection.world import Vector, integrated
+from lie_rigid_body.inspection.world import integrated
 
 KEPT_WORLDS: Final = 6
 """Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
@@ -124,7 +124,7 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
         verdict = _verdict(vectors, float(np.degrees(turned)), found)
     if isinstance(verdict, Judgement):
         return _refined(verdict)
-    axes = [f"{each.vector.sensor}_axes" for each in vectors]
+    axes = [f"{each.sensor}_axes" for each in vectors]
     for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
         found.ask(code, verdict)
     return None
@@ -137,7 +137,7 @@ def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterato
     world = lru_cache(KEPT_WORLDS)(lambda gyro: integrated(t_s, gyro.multiplier * rate))
     for stream in others:
         averaged = stream.between(begin_ns, int(gyro.t_ns[-1])).averaged(VECTOR_HZ, begin_ns)
-        each = Misfits(Vector.of_readings(stream.sensor, *averaged, OFFSET_COSTS[stream.sensor]), world)
+        each = Misfits(stream.sensor, *averaged, OFFSET_COSTS[stream.sensor], world)
         if each.lengths_s:
             yield each
         else:
@@ -187,10 +187,10 @@ def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
 
 def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator[Misfits]:
     """The vector, if some hypothesis makes it constant; an accelerometer that lost a constant is searched anew."""
-    sensor = each.vector.sensor
+    sensor = each.sensor
     held = _best_constants(each)
     if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
-        free = Misfits(replace(each.vector, offset_cost=MAGNETOMETER_OFFSET_COST), each.world)
+        free = Misfits(sensor, each.t_s, each.unit * each.size, MAGNETOMETER_OFFSET_COST, each.world)
         search([free])
         if more:
             search([free], more)
@@ -209,7 +209,7 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
             return
         elif held.has_unit:
             found.ask("gravity_removed", f"{held.offset_share:.0%} of gravity are constant on the accelerometer's axes")
-    left = held.misfit * each.vector.size / held.size
+    left = held.misfit * each.size / held.size
     if left <= MAX_MISFIT:
         yield each
         return

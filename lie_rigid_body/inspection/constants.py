@@ -238,7 +238,7 @@ def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, f
 
 def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     """Fit what is constant of a vector in the windows that tell most about it."""
-    vector = placed.misfits.vector
+    vector = placed.misfits
     turn = TURNS[placed.turn]
     start = OF_TURNS[placed.turn]
     changes = OF_CONSTANTS[placed.turn]

@@ -3,43 +3,29 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from heapq import nlargest
 from itertools import chain, product
 from operator import itemgetter
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.inspection.rule import CHUNKS, DELAYS_S, EXCLUDED, GYROS, MIN_SHARE_LEFT, RIGHT, Gyro
-from lie_rigid_body.inspection.world import Vector, World, gram, mean_vectors
+from lie_rigid_body.inspection.world import Vector, gram, mean_vectors
 
 MIN_MOVE_S: Final = 0.001
 """Least distance of a delay between those of the scan, s, that is tried."""
 
 
-class Misfits:
-    """Misfits of one vector under the hypotheses that were tried.
+class Misfits(Vector):
+    """Misfits of one vector under the hypotheses that were tried; parameters are those of a `Vector`."""
 
-    Parameters
-    ----------
-    vector : Vector
-    world : callable
-        World of a hypothesis about the gyro.
-
-    Attributes
-    ----------
-    lengths_s : tuple of float
-        Lengths of windows, s, of which there are enough; empty where there is too little time.
-    """
-
-    def __init__(self, vector: Vector, world: Callable[[Gyro], World]) -> None:
-        self.vector = vector
-        self.world = world
-        self.lengths_s = vector.lengths_s(world(RIGHT).x)
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
         self._chosen = 0
         self._found: defaultdict[Gyro, dict[float, Array]] = defaultdict(dict)
 
@@ -48,14 +34,10 @@ class Misfits:
         """Length of the windows, s, in which the best hypothesis stands out most."""
         return self.lengths_s[self._chosen]
 
-    def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
-        """Windows of each length under a hypothesis."""
-        return self.vector.windows(self.world(gyro), delay_s, *lengths_s)
-
     def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
         """Try all turns with one gyro and one delay, s, in windows of each length."""
         windows = self.windows(gyro, delay_s, *self.lengths_s)
-        self._found[gyro][delay_s] = np.array([self.vector.fit(gram(each)).misfit for each in windows])
+        self._found[gyro][delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
 
     @cached_property
     def _usual(self) -> Array:
@@ -82,7 +64,7 @@ class Misfits:
         for i, length_s in enumerate(self.lengths_s):
             least, gyro, delay_s, turn = self.best(i)
             (windows,) = self.windows(gyro, delay_s, length_s)
-            means = mean_vectors(windows, self.vector.fit(gram(windows)).column[turn])
+            means = mean_vectors(windows, self.fit(gram(windows)).column[turn])
             merits.append((rms(np.linalg.norm(means, axis=1)) > MIN_SHARE_LEFT, self._usual[i] / least, i))
         self._chosen = max(merits)[2]
 
@@ -136,13 +118,13 @@ class Fitting(NamedTuple):
     @property
     def sensor(self) -> str:
         """Sensor of the vector."""
-        return self.misfits.vector.sensor
+        return self.misfits.sensor
 
     def squares(self, gyro: Gyro, length_s: float, delay_s: float) -> Array:
         """Squared misfits of the chunks at a delay, with the constants that fit all of them, shape (chunks,)."""
         (windows,) = self.misfits.windows(gyro, delay_s, length_s)
         grams = gram(windows, CHUNKS)
-        column = self.misfits.vector.fit(grams).column[self.turn]
+        column = self.misfits.fit(grams).column[self.turn]
         return np.asarray(grams @ column @ column)
 
 

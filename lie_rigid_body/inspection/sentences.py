@@ -178,7 +178,7 @@ def _tell_hard_iron(each: Compared, found: Findings) -> None:
 def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found: Findings) -> None:
     """Tell a constant that was taken off the accelerometer, and the unit in which its size is that of gravity."""
     constants = each.constants
-    if each.placed.misfits.vector.offset_cost != ACCELEROMETER_OFFSET_COST:  # free, as a constant was taken off
+    if each.placed.misfits.offset_cost != ACCELEROMETER_OFFSET_COST:  # free, as a constant was taken off
         given = numerals(-constants.offset)
         text = f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest"
         found.name("gravity_removed", each.sensor, text, f"+ ({given})", **comparison.misfits)
@@ -206,7 +206,7 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     for each in comparison.vectors:
         placed = each.placed
         (windows,) = placed.misfits.windows(comparison.gyro, placed.delay_s, placed.misfits.lengths_s[-1])
-        vectors = mean_vectors(windows, placed.misfits.vector.fit(gram(windows)).column[placed.turn])
+        vectors = mean_vectors(windows, placed.misfits.fit(gram(windows)).column[placed.turn])
         means.append(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
     count = min(map(len, means))
     dip = -np.degrees(np.arcsin(np.mean(np.sum(means[0][:count] * means[1][:count], axis=1))))

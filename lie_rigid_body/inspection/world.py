@@ -7,7 +7,7 @@ as well. Its mean with a Hann weight, stepped from one window to the next but on
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -26,7 +26,9 @@ from lie_rigid_body.inspection.rule import (
     MAX_STEPS,
     MIN_LENGTHS,
     MIN_MISFIT,
+    RIGHT,
     TURNS,
+    Gyro,
 )
 from lie_rigid_body.lie import quaternion, so3
 
@@ -92,43 +94,45 @@ def gram(windows: Array, chunks: int = 1) -> Array:
     return np.array([part.T @ part.copy() for part in parts]) / len(steps)
 
 
-@dataclass(frozen=True, eq=False)
 class Vector:
     """Readings of a sensor whose vector is constant in the world.
 
-    Attributes
+    Parameters
     ----------
     sensor : str
     t_s : ndarray, shape (N,)
-    unit : ndarray, shape (N, 3)
-        Readings over their RMS.
-    size : float
-        This RMS.
+    readings : ndarray, shape (N, 3)
     offset_cost : float
         Squared misfit that an offset of 1 costs.
+    world : callable
+        World of a hypothesis about the gyro.
+
+    Attributes
+    ----------
+    size : float
+        RMS of the readings.
+    unit : ndarray, shape (N, 3)
+        Readings over it.
+    lengths_s : tuple of float
+        Lengths of windows, s, of which there are enough, with readings in each, in the time of the gyro.
     """
 
-    sensor: str
-    t_s: Array
-    unit: Array
-    size: float
-    offset_cost: float
+    def __init__(
+        self, sensor: str, t_s: Array, readings: Array, offset_cost: float, world: Callable[[Gyro], World]
+    ) -> None:
+        self.sensor = sensor
+        self.t_s = t_s
+        self.size = rms(np.linalg.norm(readings, axis=1))
+        self.unit = readings / self.size
+        self.offset_cost = offset_cost
+        self.world = world
+        known_s = world(RIGHT).x
+        bounds = [*known_s[[0, -1]], *t_s[:1], *t_s[-1:]]
+        common = min(bounds[1::2]) - max(bounds[::2]) - 2.0 * MAX_DELAY_S
+        step = 2.0 * np.ptp(t_s) / max(len(t_s) - 1, 1)
+        self.lengths_s = tuple(length for length in LENGTHS_S if 0.0 < step <= length <= common / MIN_LENGTHS)
 
-    @classmethod
-    def of_readings(cls, sensor: str, t_s: Array, readings: Array, offset_cost: float) -> Vector:
-        """Divide readings by their RMS."""
-        size = rms(np.linalg.norm(readings, axis=1))
-        return cls(sensor, t_s, readings / size, size, offset_cost)
-
-    def lengths_s(self, t_s: Array) -> tuple[float, ...]:
-        """Lengths of windows, s, of which there are enough, with readings in each, in the time of a gyro."""
-        if len(self.t_s) < 2:
-            return ()
-        common = min(t_s[-1], self.t_s[-1]) - max(t_s[0], self.t_s[0]) - 2.0 * MAX_DELAY_S
-        step = np.ptp(self.t_s) / (len(self.t_s) - 1)
-        return tuple(length for length in LENGTHS_S if 2.0 * step <= length <= common / MIN_LENGTHS)
-
-    def windows(self, world: World, delay_s: float, *lengths_s: float) -> list[Array]:
+    def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
 
         They are averaged over short blocks first.
@@ -139,6 +143,7 @@ class Vector:
             For each length: nine products R_ia u_b, by i and by (a, b), which times the elements of a turn P, row by
             row, are R P u; the rotation R; and its integral.
         """
+        world = self.world(gyro)
         t_s = self.t_s - delay_s
         inside = np.flatnonzero((t_s >= world.x[0]) & (t_s <= world.x[-1]))
         period = float(np.ptp(t_s[inside])) / (len(inside) - 1)

@@ -32,19 +32,18 @@ def log_of_arrays(t_ns: ArrayLike, gyro: ArrayLike, specific_force: ArrayLike, m
     InputError
         If shapes or types are not those, or a reading is not finite.
     """
-    stamps = integer_stamps("t_ns", t_ns)
     own_clock = isinstance(magnetic_field, tuple) and len(magnetic_field) == 2
-    field_ns, field = magnetic_field if own_clock else (stamps, magnetic_field)
+    field_ns, field = magnetic_field if own_clock else (t_ns, magnetic_field)
     return Log(
         "arrays",
-        _vectors("gyro", stamps, gyro),
-        _vectors("specific_force", stamps, specific_force),
+        _vectors("gyro", t_ns, gyro),
+        _vectors("specific_force", t_ns, specific_force),
         None if field is None else _vectors("magnetic_field", field_ns, field),
     )
 
 
 def _vectors(name: str, t_ns: ArrayLike, values: ArrayLike) -> Vectors:
-    stamps = integer_stamps(name, t_ns)
+    stamps = integer_stamps(f"t_ns of {name}", t_ns)
     if stamps.ndim != 1 or not len(stamps):
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
     return Vectors(stamps, numbers(name, values, len(stamps), 3, whole=True), name)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body.inspection.constants import minimum
 from lie_rigid_body.inspection.explanations import axes_of, axes_repairs
 from lie_rigid_body.inspection.noise import allan, density
-from lie_rigid_body.inspection.rule import TURNS
+from lie_rigid_body.inspection.rule import RIGHT, TURNS
 from lie_rigid_body.inspection.search import vertex
 from lie_rigid_body.inspection.world import Vector, gram, integrated
 
@@ -43,9 +43,8 @@ def readings() -> np.ndarray:
 @pytest.mark.parametrize("bias", [0.0, 0.01])
 def test_the_turn_bias_and_offset_put_in_are_those_that_fit(readings: np.ndarray, turn: int, bias: float) -> None:
     offset = np.array([0.1, 0.2, -0.1])
-    world = integrated(T_S, RATE + bias)
-    vector = Vector.of_readings("magnetometer", T_S, readings @ TURNS[turn] + offset, 0.0)
-    (windows,) = vector.windows(world, 0.0, 2.0)
+    vector = Vector("magnetometer", T_S, readings @ TURNS[turn] + offset, 0.0, lambda _: integrated(T_S, RATE + bias))
+    (windows,) = vector.windows(RIGHT, 0.0, 2.0)
     fit = vector.fit(gram(windows))
     assert fit.misfit.argmin() == turn
     assert fit.misfit[turn] < 0.005
@@ -55,8 +54,8 @@ def test_the_turn_bias_and_offset_put_in_are_those_that_fit(readings: np.ndarray
 
 
 def test_chunks_add_up_to_the_whole(readings: np.ndarray) -> None:
-    vector = Vector.of_readings("magnetometer", T_S, readings, 0.0)
-    (windows,) = vector.windows(integrated(T_S, RATE), 0.0, 2.0)
+    vector = Vector("magnetometer", T_S, readings, 0.0, lambda _: integrated(T_S, RATE))
+    (windows,) = vector.windows(RIGHT, 0.0, 2.0)
     assert np.allclose(gram(windows, 7).sum(axis=0), gram(windows)[0], rtol=1e-12, atol=1e-12)
 
 

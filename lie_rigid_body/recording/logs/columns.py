@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown, suggestion
@@ -18,7 +17,7 @@ from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER
 from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, heading, sensor_of, unit_key
 from lie_rigid_body.recording.logs.sources import lines_of, sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
-from lie_rigid_body.recording.logs.times import MISSING, Clock, as_number, clock_of, share_that_rises
+from lie_rigid_body.recording.logs.times import MISSING, clock_of, share_that_rises
 
 FIELDS: Final = ("t", *(f"{sensor}_{axis}" for sensor in (GYRO, ACCELEROMETER, MAGNETOMETER) for axis in "xyz"))
 """Names by which columns are given."""
@@ -62,27 +61,25 @@ class Triple:
         """Its columns, for sentences."""
         return ", ".join(self.table.headings[column].text for column in self.columns) + f" of {self.table.source.name}"
 
-    def factors(self) -> tuple[Array, str]:
-        """Factors of the axes to SI units, shape (3,), and words about the units."""
+    def factor(self) -> tuple[float, str]:
+        """Factor of the axes to SI units, and words about the unit."""
         known = UNITS[self.sensor]
         program, of_program = self.table.program
         heads = [self.table.headings[column] for column in self.columns]
-        units = [head.unit or of_program.get(self.sensor, "") for head in heads]
-        factors = self.sign * np.array([known.get(unit_key(unit), 1.0) for unit in units])
-        unit = units[0]
-        si = SI[self.sensor]
-        if len({*units}) > 1:
-            raise InputError(f"{self.name} have the units {listed([*map(shown, units)])}: give one to all three axes")
-        if not unit:
-            told = f"taken as {si}, as no unit is given"
-        elif unit_key(unit) in known:
-            told = f"in {unit}{'' if heads[0].unit else f', the unit of {program}'}"
-            told += "" if abs(factors[0]) == 1.0 else f", converted to {si}"
-        elif _GIVEN in heads[0].words:
+        given = {head.unit: None for head in heads}
+        if len(given) > 1:
+            raise InputError(f"{self.name} have the units {listed([*map(shown, given)])}: give one to all three axes")
+        unit = heads[0].unit or of_program.get(self.sensor, "")
+        factor = known.get(unit_key(unit), 0.0)
+        told = f"taken as {SI[self.sensor]}, as {f'{shown(unit)} is no known unit' if unit else 'no unit is given'}"
+        if unit and not factor and _GIVEN in heads[0].words:
             raise InputError(f"columns: {shown(unit)} is no unit of a {self.sensor}: give {listed([*known])}")
-        else:
-            told = f"taken as {si}, as {shown(unit)} is no known unit"
-        return factors, told + (", with the sign turned, as the program writes the opposite" if self.sign < 0 else "")
+        if factor:
+            told = f"in {unit}{'' if heads[0].unit else f', the unit of {program}'}"
+            told += "" if factor == 1.0 else f", converted to {SI[self.sensor]}"
+        if self.sign < 0.0:
+            told += ", with the sign turned, as the program writes the opposite"
+        return self.sign * (factor or 1.0), told
 
 
 def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str, Vectors], list[str]]:
@@ -109,11 +106,9 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
         raise InputError(f"{path} has no gyro, but {there}: name its columns, such as t=1, gyro_x=2:deg/s")
     lacks = ACCELEROMETER in found and found[ACCELEROMETER][0].without_gravity
     chosen = {sensor: alike[0] for sensor, alike in found.items() if sensor != GRAVITY or lacks}
-    read = dict[str, Vectors]()
-    taken = list[str]()
-    for table in tables:
-        own = [triple for triple in chosen.values() if triple.table is table]
-        read |= _read(table, own, taken) if own else {}
+    read_one = {sensor: _read(triple) for sensor, triple in chosen.items()}
+    read = {sensor: vectors for sensor, (vectors, _) in read_one.items()}
+    taken = [*dict.fromkeys(told for _, sentences in read_one.values() for told in sentences)]
     for sensor in chosen:
         if others := listed([each.name for each in found[sensor][1:]]):
             taken.append(f"The {sensor} is not {others}: name its columns to choose another.")
@@ -173,37 +168,29 @@ def _triples(table: TextTable) -> Iterator[Triple]:
         yield Triple(table, sensor, columns, rank, is_free, -1.0 if is_opposite else 1.0)
 
 
-def _read(table: TextTable, triples: Sequence[Triple], taken: list[str]) -> dict[str, Vectors]:
-    """The readings of the triples of a table, which is read in one pass."""
+def _read(triple: Triple) -> tuple[Vectors, list[str]]:
+    """The readings of a triple, and sentences about its unit and its time."""
+    table = triple.table
     first = [cells for _, cells in islice(table.rows(), _FIRST_ROWS)]
-    times = {triple.sensor: _time_of(table, triple.sensor, first) for triple in triples}
-    clocks = dict[int, Clock]()
-    for column in times.values():
-        head = table.headings[column]
-        clock = clock_of(head, [row[column] for row in first], table.program[1].get(TIME, ""))
-        if clock is None:
-            remedy = f"name another column, or its unit, such as t={head.text}:ms"
-            raise InputError(f"{table.source}: size and steps of {shown(head.text)} are those of no time: {remedy}")
-        clocks[column] = clock
-    kept = {column: as_number for triple in triples for column in triple.columns}
-    lines, cells = table.read({**kept, **{column: clock.read for column, clock in clocks.items()}})
-    found = dict[str, Vectors]()
-    for triple in triples:
-        column = times[triple.sensor]
-        values = np.column_stack([cells[axis] for axis in triple.columns])
-        there = ~np.isnan(values).all(axis=1)
-        faulty = there & (np.isnan(values).any(axis=1) | (cells[column] == MISSING))
-        if faulty.any() or not there.any():
-            told = f", line {lines[faulty][0]}: an empty cell" if faulty.any() else " has no row"
-            raise InputError(f"{table.source}{told} of the {triple.sensor} or of its time: complete it")
-        factors, told = triple.factors()
-        t_ns, of_time = clocks[column].unwrapped(cells[column][there])
-        found[triple.sensor] = Vectors(t_ns, values[there] * factors, triple.name)
-        taken.append(f"The {triple.sensor} is {triple.name}, {told}.")
-        of_time = f"The time is {table.headings[column].text} of {table.source.name}, {of_time}."
-        if of_time not in taken:
-            taken.append(of_time)
-    return found
+    column = _time_of(table, triple.sensor, first)
+    head = table.headings[column]
+    clock = clock_of(head, [row[column] for row in first], table.program[1].get(TIME, ""))
+    if clock is None:
+        remedy = f"name another column, or its unit, such as t={head.text}:ms"
+        raise InputError(f"{table.source}: size and steps of {shown(head.text)} are those of no time: {remedy}")
+    lines, t_ns, values = table.read(column, clock.read, triple.columns)
+    there = ~np.isnan(values).all(axis=1)
+    faulty = there & (np.isnan(values).any(axis=1) | (t_ns == MISSING))
+    if faulty.any() or not there.any():
+        told = f", line {lines[faulty][0]}: an empty cell" if faulty.any() else " has no row"
+        raise InputError(f"{table.source}{told} of the {triple.sensor} or of its time: complete it")
+    factor, of_unit = triple.factor()
+    t_ns, of_time = clock.unwrapped(t_ns[there])
+    sentences = [
+        f"The {triple.sensor} is {triple.name}, {of_unit}.",
+        f"The time is {head.text} of {table.source.name}, {of_time}.",
+    ]
+    return Vectors(t_ns, factor * values[there], triple.name), sentences
 
 
 def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> int:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 from array import array
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown
@@ -84,27 +83,26 @@ class TextTable:
         except csv.Error as error:
             raise self.error(self.skipped + reader.line_num, f"not readable as CSV: {error}") from None
 
-    def read(self, readers: Mapping[int, Callable[[str], float]]) -> tuple[Integers, dict[int, NDArray[Any]]]:
-        """Numbers of lines, and what is read of the cells of some columns.
+    def read(self, time: int, read_time: Callable[[str], int], axes: Sequence[int]) -> tuple[Integers, Integers, Array]:
+        """Numbers of lines, times by a function, ns, and what is read of some columns, shape (N, K).
 
         Raises
         ------
         InputError
             If a cell cannot be read.
         """
-        found: dict[int, array[Any]] = {
-            column: array("d" if reader is as_number else "q") for column, reader in readers.items()
-        }
         lines = array("q")
+        times = array("q")
+        values = array("d")
         for line, cells in self.rows():
+            try:
+                times.append(read_time(cells[time]))
+                values.extend([as_number(cells[axis]) for axis in axes])
+            except (ValueError, ArithmeticError):
+                given = listed([shown(cells[column]) for column in (time, *axes)])
+                raise self.error(line, f"{given} is no time with {len(axes)} finite numbers") from None
             lines.append(line)
-            for column, reader in readers.items():
-                try:
-                    found[column].append(reader(cells[column]))
-                except (ValueError, ArithmeticError):
-                    kind = "number" if reader is as_number else "time"
-                    raise self.error(line, f"{shown(cells[column])} is no {kind}") from None
-        return np.array(lines), {column: np.array(values) for column, values in found.items()}
+        return np.array(lines), np.array(times), np.array(values).reshape(-1, len(axes))
 
 
 def _reader(lines: Iterator[str], separator: str) -> Any:

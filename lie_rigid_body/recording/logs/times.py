@@ -15,7 +15,6 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.logs.headings import TIME, UNITS, Heading, unit_key
-from lie_rigid_body.system.bounded_input import real
 
 _CLOCK: Final = re.compile(
     r"(?:(\d{4})[-/.](\d\d)[-/.](\d\d)[T, ]+)?(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d{1,9}))?(?:Z|[-+]\d\d:?\d\d)?"
@@ -83,9 +82,9 @@ def as_number(text: str) -> float:
     """
     if not text:
         return np.nan
-    number = real(text.replace(",", "."))
-    if not abs(number) < np.inf:
-        raise ValueError(f"not finite: {text!r}")
+    number = float(text.replace(",", "."))
+    if not abs(number) < np.inf or "_" in text:
+        raise ValueError(f"no number: {text!r}")
     return number
 
 
