@@ -40,7 +40,7 @@ from lie_rigid_body.inspection.rule import (
     Gyro,
 )
 from lie_rigid_body.inspection.search import Fitting
-from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit, mean_vectors
+from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit
 
 
 class Minimum(NamedTuple):
@@ -243,14 +243,14 @@ def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     start = OF_TURNS[placed.turn]
     changes = OF_CONSTANTS[placed.turn]
     length_s = min(placed.misfits.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
-    windows, swinging = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s, length_s)
+    (windows,) = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s)
     grams = gram(windows, CHUNKS)
     fit, errors, inverse = _fitted(grams, start, changes, vector.costs)
     others = null_space(turn.reshape(1, 9))  # 8 directions square to the turn
     stretched = np.hstack([changes, np.pad(others, ((0, 30), (0, 0)))])
     shape, shape_errors, _ = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
     to_readings = turn.T * vector.size
-    means = mean_vectors(swinging, fit.column) * vector.size
+    means = placed.means(gyro, length_s) * vector.size
     size = rms(np.linalg.norm(means, axis=1))
     growth = np.linalg.inv(inverse[:3, :3]) - vector.offset_cost * np.eye(3)
     return Constants(

@@ -15,7 +15,7 @@ import numpy as np
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.inspection.rule import CHUNKS, DELAYS_S, EXCLUDED, GYROS, MIN_SHARE_LEFT, RIGHT, Gyro
-from lie_rigid_body.inspection.world import Vector, gram, mean_vectors
+from lie_rigid_body.inspection.world import Vector, gram
 
 MIN_MOVE_S: Final = 0.001
 """Least distance of a delay between those of the scan, s, that is tried."""
@@ -63,8 +63,7 @@ class Misfits(Vector):
         merits = []
         for i, length_s in enumerate(self.lengths_s):
             least, gyro, delay_s, turn = self.best(i)
-            (windows,) = self.windows(gyro, delay_s, length_s)
-            means = mean_vectors(windows, self.fit(gram(windows)).column[turn])
+            means = Fitting(self, turn, delay_s).means(gyro, length_s)
             merits.append((rms(np.linalg.norm(means, axis=1)) > MIN_SHARE_LEFT, self._usual[i] / least, i))
         self._chosen = max(merits)[2]
 
@@ -119,6 +118,12 @@ class Fitting(NamedTuple):
     def sensor(self) -> str:
         """Sensor of the vector."""
         return self.misfits.sensor
+
+    def means(self, gyro: Gyro, length_s: float) -> Array:
+        """Mean vectors in the world, as shares of the readings, shape (W, 3)."""
+        (windows,) = self.misfits.windows(gyro, self.delay_s, length_s)
+        column = self.misfits.fit(gram(windows)).column[self.turn]
+        return np.asarray(windows[..., :12] @ column[:12])
 
     def squares(self, gyro: Gyro, length_s: float, delay_s: float) -> Array:
         """Squared misfits of the chunks at a delay, with the constants that fit all of them, shape (chunks,)."""

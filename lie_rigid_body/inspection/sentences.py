@@ -31,7 +31,6 @@ from lie_rigid_body.inspection.rule import (
     SIGMAS,
     TURNS,
 )
-from lie_rigid_body.inspection.world import gram, mean_vectors
 
 _MEANINGS = {
     "gyro_axes": "the gyro's axes are not those of the other sensors",
@@ -202,14 +201,10 @@ def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
 
 def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     """Tell the angle between the field and the horizontal, positive if it points down."""
-    means = []
-    for each in comparison.vectors:
-        placed = each.placed
-        (windows,) = placed.misfits.windows(comparison.gyro, placed.delay_s, placed.misfits.lengths_s[-1])
-        vectors = mean_vectors(windows, placed.misfits.fit(gram(windows)).column[placed.turn])
-        means.append(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
-    count = min(map(len, means))
-    dip = -np.degrees(np.arcsin(np.mean(np.sum(means[0][:count] * means[1][:count], axis=1))))
+    length_s = min(each.placed.misfits.lengths_s[-1] for each in comparison.vectors)
+    means = [each.placed.means(comparison.gyro, length_s) for each in comparison.vectors]
+    up, north = (each[: min(map(len, means))] / np.linalg.norm(each, axis=1).mean() for each in means)
+    dip = -np.degrees(np.arcsin(np.mean(np.sum(up * north, axis=1))))
     text = f"the field points {dip:.1f}° below the horizontal, if both signs are right: does this fit the place?"
     found.note("dip", text, dip)
 

@@ -114,13 +114,11 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
 
 def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     steps = np.diff(t_ns)
-    median = float(np.median(steps))
+    median = np.median(steps)
     gaps = steps[steps > GAP_STEP * median]
     if len(gaps):
-        lost = round(float(np.sum(gaps / median - 1.0)))
-        text = (
-            f"{len(gaps)} gaps of up to {gaps.max() / 1e9:.3g} s in the {sensor}, in which {lost} readings are missing"
-        )
+        lost = np.sum(gaps / median - 1.0)
+        text = f"{len(gaps)} gaps of up to {gaps.max() / 1e9:.3g} s in the {sensor}: {lost:.0f} readings are missing"
         found.name("gaps", sensor, text)
 
 

@@ -69,11 +69,6 @@ def integrated(t_s: Array, rate: Array) -> World:
     return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 
 
-def mean_vectors(windows: Array, column: Array) -> Array:
-    """Mean vectors in the world, shape (W, 3), of windows and a column of the Gram matrix: a turn less an offset."""
-    return np.asarray(windows[..., :12] @ column[:12])
-
-
 def gram(windows: Array, chunks: int = 1) -> Array:
     """Gram matrices of the steps of successive chunks, shape (chunks, 39, 39), whose sum is their mean square.
 
