@@ -27,7 +27,6 @@ from lie_rigid_body.inspection.rule import (
     MAX_NEWTON_STEPS,
     MAX_SWING,
     MIN_DELAY_S,
-    MIN_GAIN,
     MIN_MISFIT,
     MIN_UNSEEN_S,
     SAME_DELAY_S,
@@ -61,20 +60,16 @@ class Minimum(NamedTuple):
     slope: float
     level: float
 
-    @property
-    def unseen(self) -> float:
-        """Delay up to which this log does not see one, s."""
-        dim = UNSEEN_SHARE * self.level / max(self.slope, 1e-9)
-        return max(MIN_DELAY_S, SIGMAS * self.sigma, dim)
+    def unseen(self, limit: float) -> float:
+        """Size of the constant up to which it is no mistake, at least a limit, or not seen in this log.
+
+        At `UNSEEN_SHARE` of the misfit over the slope the misfit grows by `MIN_GAIN`.
+        """
+        return max(limit, SIGMAS * self.sigma, UNSEEN_SHARE * self.level / max(self.slope, 1e-9))
 
     def is_like(self, other: Minimum) -> bool:
         """Whether two delays are one of the gyro, as far as the log sees."""
-        return abs(self.place - other.place) < max(MIN_UNSEEN_S, self.unseen, other.unseen)
-
-    def is_far(self, change: float, limit: float) -> bool:
-        """Whether the constant less so much is a mistake: larger than a limit, sure, and seen in the misfit."""
-        gain = np.hypot(1.0, self.slope * change / self.level)
-        return abs(change) > max(limit, SIGMAS * self.sigma) and bool(gain > MIN_GAIN)
+        return abs(self.place - other.place) < max(self.unseen(MIN_UNSEEN_S), other.unseen(MIN_UNSEEN_S))
 
 
 def minimum(squares: Callable[[float], Array], place: float, step: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:
@@ -219,10 +214,9 @@ class Constants:
         """Whether the vector is gravity: it has its size, and stays."""
         return self.has_unit and self.swing < MAX_SWING
 
-    def gain(self, offset: Array) -> float:
-        """Ratio of the misfit at so much another offset to the least one."""
-        grown = max(float(offset @ self.growth @ offset), 0.0)
-        return float(np.hypot(1.0, np.sqrt(grown) / self.misfit))
+    def sees(self, offset: Array) -> bool:
+        """Whether the misfit grows by `MIN_GAIN` with so much another offset."""
+        return bool(offset @ self.growth @ offset > (UNSEEN_SHARE * self.misfit) ** 2)
 
     @property
     def blind(self) -> Array:

@@ -114,7 +114,7 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     sigma = comparison.factor.sigma
     codes = {repair.code for each in (verdict.named, *verdict.or_else) for repair in each}
     told = not verdict.fewer and (unit != 1.0 or "gyro_units" not in codes)
-    if told and comparison.factor.is_far(float(np.log(factor)), MIN_LOG_FACTOR):
+    if told and abs(np.log(factor)) > comparison.factor.unseen(MIN_LOG_FACTOR):
         text = f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}"
         found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
         found.changes["gyro"].matrix *= factor
@@ -128,15 +128,16 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
     late: dict[str, Minimum] = {}
     for each in comparison.vectors:
         delay = each.delay
+        unseen_s = delay.unseen(MIN_DELAY_S)
         code = f"{each.sensor}_late"
         others = other_delays(each.placed, comparison.verdict.best.gyro, comparison.gyro, delay)
         if others:
             text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
             found.ask(code, f"the motion recurs, so that {text} do as well")
-        elif delay.is_far(delay.place, MIN_DELAY_S) and each.is_told:
+        elif abs(delay.place) > unseen_s and each.is_told:
             late[each.sensor] = delay
-        elif abs(delay.place) > MIN_DELAY_S or delay.unseen > DIM_DELAY_S:
-            found.ask(code, f"a delay of the {each.sensor} of {delay.unseen:.2g} s is not seen")
+        elif abs(delay.place) > MIN_DELAY_S or unseen_s > DIM_DELAY_S:
+            found.ask(code, f"a delay of the {each.sensor} of {unseen_s:.2g} s is not seen")
         else:
             text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
             found.note(code, text, delay.place)
@@ -163,14 +164,14 @@ def _tell_hard_iron(each: Compared, found: Findings) -> None:
             soft_iron = np.linalg.inv(constants.shape)
             found.note("soft_iron", f"soft iron, or unequal axes, of ({numerals(soft_iron.ravel())})", soft_iron)
             found.estimate("magnetometer_soft_iron", soft_iron, constants.shape_sigma)
-    is_sure = share > SIGMAS * rms(constants.offset_sigma) / size and constants.gain(constants.offset) > MIN_GAIN
+    is_sure = share > SIGMAS * rms(constants.offset_sigma) / size and constants.sees(constants.offset)
     if share > MIN_HARD_IRON and is_sure:
         if each.is_told and constants.shape_offset > MIN_HARD_IRON * size:
             text = f"hard iron of ({numerals(constants.offset)}), {share:.2f} of the field"
             found.note("hard_iron", text, constants.offset)
         else:
             found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
-    if constants.gain(MIN_HARD_IRON * size * constants.blind) < MIN_GAIN:
+    if not constants.sees(MIN_HARD_IRON * size * constants.blind):
         found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
 
 
@@ -183,9 +184,7 @@ def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found:
         found.name("gravity_removed", each.sensor, text, f"+ ({given})", **comparison.misfits)
         found.changes[each.sensor].offset = constants.offset
     size = constants.size
-    is_clear = (
-        constants.misfit <= MAX_UNIT_MISFIT and constants.gain(MIN_HARD_IRON * size * constants.blind) >= MIN_GAIN
-    )
+    is_clear = constants.misfit <= MAX_UNIT_MISFIT and constants.sees(MIN_HARD_IRON * size * constants.blind)
     is_sure = is_clear and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
     tell_unit(each.sensor, size, is_sure=is_sure, found=found)
 
