@@ -196,7 +196,7 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
             search([free], more)
         freed = _best_constants(free)
         is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
-        if is_taken_off and held.misfit > freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
+        if is_taken_off and held.misfit >= freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
             each = free
             held = freed
         elif held.size < MAX_NO_GRAVITY * GRAVITY:

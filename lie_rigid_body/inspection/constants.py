@@ -237,14 +237,14 @@ def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     start = OF_TURNS[placed.turn]
     changes = OF_CONSTANTS[placed.turn]
     length_s = min(placed.misfits.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
-    (windows,) = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s)
+    windows, longer = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s, length_s)
     grams = gram(windows, CHUNKS)
     fit, errors, inverse = _fitted(grams, start, changes, vector.costs)
     others = null_space(turn.reshape(1, 9))  # 8 directions square to the turn
     stretched = np.hstack([changes, np.pad(others, ((0, 30), (0, 0)))])
     shape, shape_errors, _ = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
     to_readings = turn.T * vector.size
-    means = placed.means(gyro, length_s) * vector.size
+    means = longer[..., :12] @ fit.column[:12] * vector.size
     size = rms(np.linalg.norm(means, axis=1))
     growth = np.linalg.inv(inverse[:3, :3]) - vector.offset_cost * np.eye(3)
     return Constants(
