@@ -89,11 +89,6 @@ class SensorComparison:
             "after": max(each.constants.misfit for each in self.vectors),
         }
 
-    @property
-    def unit(self) -> float:
-        """Factor of the gyro's unit, if one is named; else 1."""
-        return float(np.prod([repair.unit for repair in self.verdict.named]))
-
 
 def liveliest(gyro: Stream) -> Stream:
     """The stretch of a gyro's readings that has the most rotation about the axis of least rotation."""

@@ -119,12 +119,11 @@ def inspect(run: Run) -> Inspection:
     for stream in streams.values():
         tell_values(stream, found)
     streams = {sensor: stream for sensor, stream in streams.items() if not found.has("stuck", sensor)}
-    comparison = None
     if "gyro" in streams and len(streams) > 1:
         gyro, *others = streams.values()
         comparison = compare(gyro, others, found)
-    if comparison is not None:
-        tell(comparison, found)
+        if comparison is not None:
+            tell(comparison, found)
     if "magnetometer" in streams:
         iron = found.sensors.get("magnetometer_hard_iron")
         field = streams["magnetometer"].readings - (iron.value if iron else 0.0)
@@ -142,13 +141,15 @@ def inspect(run: Run) -> Inspection:
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
-    keys = [key for key in ("imu", "magnetometer") if key in run.sensors and len(run.sensors[key].t_ns) > 1]
-    widest = max((run.sensors[key].t_ns for key in keys), key=np.ptp, default=np.zeros(1, dtype=np.int64))
-    stamps = {key: checked_stamps(key, run.sensors[key].t_ns, widest, found) for key in keys}
+    keys = {key for key, _ in READINGS.values()}
+    given = {key: each.t_ns for key, each in run.sensors.items() if key in keys and len(each.t_ns) > 1}
+    widest = max(given.values(), key=np.ptp, default=np.zeros(1, dtype=np.int64))
+    stamps = {key: checked_stamps(key, t_ns, widest, found) for key, t_ns in given.items()}
     if not np.ptp(widest):
         return {}  # no stamps tell any time
     if len(stamps) == 2:
-        imu, other = stamps.values()
+        imu = stamps["imu"]
+        other = stamps["magnetometer"]
         if other[0] > imu[-1] or imu[0] > other[-1]:
             ahead_s = (other[0] - imu[0]) / 1e9
             text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"

@@ -134,12 +134,12 @@ class Fitting(NamedTuple):
 
 
 def vertex(places: Array, values: Array) -> float | None:
-    """Vertex of the parabola through the least value and its neighbours, to 0.1 ms; None at an end."""
+    """Vertex of the parabola through the least value and its neighbours; None at an end."""
     i = int(values.argmin())
     if not 0 < i < len(places) - 1:
         return None
     bend, slope, _ = np.polyfit(places[i - 1 : i + 2] - places[i], values[i - 1 : i + 2], 2)
-    return round(float(places[i] - slope / 2.0 / bend), 4) if bend > 0.0 else None
+    return float(places[i] - slope / 2.0 / bend) if bend > 0.0 else None
 
 
 def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:

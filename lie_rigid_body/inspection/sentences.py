@@ -109,7 +109,7 @@ def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
 def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     """Tell a factor of the gyro beside that of its unit."""
     verdict = comparison.verdict
-    unit = comparison.unit
+    unit = float(np.prod([repair.unit for repair in verdict.named]))
     factor = comparison.gyro.factor / unit
     sigma = comparison.factor.sigma
     codes = {repair.code for each in (verdict.named, *verdict.or_else) for repair in each}
