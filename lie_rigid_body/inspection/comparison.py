@@ -9,9 +9,10 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.inspection.constants import Constants, Minimum, constants_of, refine
+from lie_rigid_body.inspection.constants import Constants, constants_of, refine
 from lie_rigid_body.inspection.explanations import Judgement, explanations, judged
 from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     GRAVITY,

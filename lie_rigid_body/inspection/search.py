@@ -4,21 +4,29 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from heapq import nlargest
 from itertools import chain, product
 from operator import itemgetter
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.inspection.rule import CHUNKS, DELAYS_S, EXCLUDED, GYROS, MIN_SHARE_LEFT, RIGHT, Gyro
+from lie_rigid_body.inspection.minimum import minimum
+from lie_rigid_body.inspection.rule import (
+    CHUNKS,
+    DELAY_STEPS_S,
+    DELAYS_S,
+    EXCLUDED,
+    GYROS,
+    MIN_SHARE_LEFT,
+    RIGHT,
+    TURNS,
+    Gyro,
+)
 from lie_rigid_body.inspection.world import Vector, gram
-
-MIN_MOVE_S: Final = 0.001
-"""Least distance of a delay between those of the scan, s, that is tried."""
 
 
 class Misfits(Vector):
@@ -82,15 +90,14 @@ class Misfits(Vector):
         return np.flatnonzero(self.by_delay(gyro)[1].min(axis=0) <= EXCLUDED * self.best()[0])
 
     def scan(self, gyro: Gyro) -> None:
-        """Try all delays with a gyro, and twice one between those tried: the vertex of a parabola of the square."""
+        """Try all delays with a gyro, and one near the best of them, where the misfit of its turn is least."""
         for delay in DELAYS_S:
             self.add(gyro, delay)
         self.choose_length()
-        for _ in range(2):
-            delays, misfits = self.by_delay(gyro)
-            place = vertex(delays, misfits[:, misfits.min(axis=0).argmin()] ** 2)
-            if place is not None and np.abs(delays - place).min() > MIN_MOVE_S:
-                self.add(gyro, place)
+        delays, misfits = self.by_delay(gyro)
+        best, turn = divmod(int(misfits.argmin()), len(TURNS))
+        squares = partial(Fitting(self, turn, 0.0).squares, gyro, self.length_s)
+        self.add(gyro, minimum(squares, float(delays[best]), DELAY_STEPS_S[0]).place)
 
 
 class Fitting(NamedTuple):
@@ -131,15 +138,6 @@ class Fitting(NamedTuple):
         grams = gram(windows, CHUNKS)
         column = self.misfits.fit(grams).column[self.turn]
         return np.asarray(grams @ column @ column)
-
-
-def vertex(places: Array, values: Array) -> float | None:
-    """Vertex of the parabola through the least value and its neighbours; None at an end."""
-    i = int(values.argmin())
-    if not 0 < i < len(places) - 1:
-        return None
-    bend, slope, _ = np.polyfit(places[i - 1 : i + 2] - places[i], values[i - 1 : i + 2], 2)
-    return float(places[i] - slope / 2.0 / bend) if bend > 0.0 else None
 
 
 def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:

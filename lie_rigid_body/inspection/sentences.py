@@ -9,9 +9,10 @@ import numpy as np
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.wording import components, numerals
 from lie_rigid_body.inspection.comparison import Compared, SensorComparison
-from lie_rigid_body.inspection.constants import Minimum, nearest_unit, other_delays
+from lie_rigid_body.inspection.constants import nearest_unit, other_delays
 from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
+from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.inspection.constants import minimum
 from lie_rigid_body.inspection.explanations import axes_of, axes_repairs
+from lie_rigid_body.inspection.minimum import minimum
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.inspection.rule import RIGHT, TURNS
-from lie_rigid_body.inspection.search import vertex
 from lie_rigid_body.inspection.world import Vector, gram, integrated
 
 T_S = np.arange(6000) / 100.0
@@ -71,12 +70,10 @@ def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
 
 
 def test_newton_finds_the_minimum_of_a_parabola() -> None:
-    places = np.array([-1.0, 0.0, 1.0])
     found = minimum(lambda place: (place - 0.3) ** 2 * np.ones(3) + 1.0, 0.0, 1.0)
     assert found.place == pytest.approx(0.3)
     assert found.sigma == pytest.approx(0.0, abs=1e-12)
     assert found.slope == pytest.approx(np.sqrt(3.0))
-    assert vertex(places, (places - 0.3) ** 2) == pytest.approx(0.3)
 
 
 def test_the_allan_variance_is_that_of_allantools() -> None:
