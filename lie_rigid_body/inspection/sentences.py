@@ -53,7 +53,7 @@ _UNITS: Final = {
     ),
     "magnetometer": ("the field", MAGNETOMETER_UNITS, SAME_FIELD, OTHER_FIELD, ("magnetometer_units",)),
 }
-"""What has a known size, its sizes by their units, limits of the logarithm of their ratio, and codes."""
+"""Vectors of a known size, these sizes by their units, limits of the logarithm of their ratio, and codes."""
 
 
 def tell(comparison: SensorComparison, found: Findings) -> None:
@@ -93,7 +93,7 @@ def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
 
 
 def _meaning(repair: SensorRepair) -> str:
-    """What a repair undoes, in words: by its text where there is a sentence of its own."""
+    """Meaning of a repair, in words: by its text where there is a sentence of its own."""
     return _MEANINGS.get(repair.text) or _MEANINGS[repair.code]
 
 

@@ -25,7 +25,7 @@ _NAMES: Final = {NS: "s", 10**6: "ms", 10**5: "0.1 ms", 10**3: "µs", 1: "ns"}
 _UNITS: Final = (NS, 10**6, 10**3, 1)
 """Units of times, ns."""
 _FINE: Final = (10**3, 10**5)
-"""Those of Xsens' SampleTimeFine, of newer and of older devices."""
+"""Units of Xsens' SampleTimeFine, of newer and of older devices, ns."""
 _SINCE_1970_NS: Final = (5e17, 5e18)
 """Times that are taken for those since 1970: 1985 to 2128."""
 _STEPS_NS: Final = (6e5, 6e8)
