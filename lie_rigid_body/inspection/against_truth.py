@@ -31,7 +31,7 @@ from lie_rigid_body.inspection.rule import (
     TRUTH_STEP,
 )
 from lie_rigid_body.inspection.stamps import Stream
-from lie_rigid_body.inspection.world import World
+from lie_rigid_body.inspection.world import attitudes
 from lie_rigid_body.lie import quaternion, so3
 
 LONGEST_S: Final = 10.0
@@ -124,11 +124,11 @@ class _Steps(NamedTuple):
 
 
 def _steps(gyro: Stream, factor: float, truth: Truth) -> tuple[_Steps, Matched]:
-    t_s, rate = gyro.averaged(GYRO_HZ)
-    world = World.of_rate(t_s, rate * factor)
-    attitude = quaternion.from_matrix(world.rotation)
-    stamps = np.round(t_s * NS).astype(np.int64)
-    fast = max(float(np.quantile(np.linalg.norm(world.rate, axis=1), 0.95)), 1e-9)
+    begin_ns = int(gyro.t_ns[0])
+    t_s, rate = gyro.averaged(GYRO_HZ, begin_ns)
+    attitude = attitudes(t_s, rate * factor)
+    stamps = begin_ns + np.round(t_s * NS).astype(np.int64)
+    fast = max(float(np.quantile(np.linalg.norm(rate * factor, axis=1), 0.95)), 1e-9)
     width = int(np.clip(TRUTH_STEP / fast / np.median(np.diff(t_s)), 1, len(t_s) // 4))
     first = spread(len(t_s) - width, MAX_TRUTH_STEPS)
     ends = np.stack([first, first + width])

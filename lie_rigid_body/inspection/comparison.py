@@ -2,39 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.inspection.constants import Constants, Delay, Placed, constants_of, refine
+from lie_rigid_body.inspection.constants import Constants, constants_of, refine
 from lie_rigid_body.inspection.explanations import Judgement, explanations, judged
 from lie_rigid_body.inspection.findings import Findings, Mark
-from lie_rigid_body.inspection.gravity import weight
+from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
-    EXCLUDED,
+    GRAVITY,
     GYRO_HZ,
     GYROS,
     MAGNETOMETER_OFFSET_COST,
     MAX_CLIPPED,
     MAX_LOG_FACTOR_ERROR,
     MAX_MISFIT,
+    MAX_NO_GRAVITY,
     MAX_ROTATION_DEG,
-    MAX_SPAN_S,
+    MAX_SPAN_NS,
     MAX_SWING,
-    MIN_SPAN_S,
+    MIN_GAIN,
+    MIN_TAKEN_OFF,
     REFINED_LOG_FACTOR,
-    RIGHT,
     VECTOR_HZ,
     Gyro,
 )
-from lie_rigid_body.inspection.search import Misfits, Worlds, search
+from lie_rigid_body.inspection.search import Fitting, Misfits, search
 from lie_rigid_body.inspection.stamps import Stream
-from lie_rigid_body.inspection.world import Vector
+from lie_rigid_body.inspection.world import integrated
 
-OFFSET_COSTS = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
+KEPT_WORLDS: Final = 6
+"""Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
+OFFSET_COSTS: Final = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,17 +48,17 @@ class Compared:
     Attributes
     ----------
     sensor : str
-    placed : Placed
+    placed : Fitting
         Its turn and its fitted delay.
-    delay : Delay
+    delay : Minimum
     constants : Constants
     is_told : bool
         Whether the log tells its turn, and so its delay and offset.
     """
 
     sensor: str
-    placed: Placed
-    delay: Delay
+    placed: Fitting
+    delay: Minimum
     constants: Constants
     is_told: bool
 
@@ -65,56 +69,33 @@ class SensorComparison:
 
     Attributes
     ----------
-    worlds : Worlds
     verdict : Judgement
     gyro : Gyro
         With the fitted factor.
-    log_factor_sigma : float
-        Standard error of the logarithm of the factor.
+    factor : Minimum
+        Logarithm of its factor.
     vectors : tuple of Compared
-    taken_off : bool
-        Whether a constant was taken off the accelerometer's readings.
     """
 
-    worlds: Worlds
     verdict: Judgement
     gyro: Gyro
-    log_factor_sigma: float
+    factor: Minimum
     vectors: tuple[Compared, ...]
-    taken_off: bool
 
     @property
     def misfits(self) -> dict[str, float]:
         """Largest misfit of a vector before the repairs and after them."""
         return {
-            "before": max(plain_misfit(each.placed.misfits) for each in self.vectors),
+            "before": max(each.placed.misfits.plain for each in self.vectors),
             "after": max(each.constants.misfit for each in self.vectors),
         }
 
 
-def plain_misfit(found: Misfits) -> float:
-    """Misfit of a vector without a repair."""
-    delays, misfits = found.by_delay(RIGHT)
-    return float(misfits[np.abs(delays).argmin(), 0])
-
-
-def liveliest(gyro: Stream) -> tuple[int, int]:
-    """First and last stamp, ns, of the stretch that has the most rotation about the axis of least rotation."""
-    t_s, rate = gyro.averaged(1.0)
-    if t_s[-1] - t_s[0] <= MAX_SPAN_S:
-        return int(gyro.t_ns[0]), int(gyro.t_ns[-1])
-    sums = np.cumsum(rate[:, :, np.newaxis] * rate[:, np.newaxis], axis=0)
-    ends = np.searchsorted(t_s, t_s + MAX_SPAN_S)
-    begins = np.flatnonzero(ends < len(t_s))
-    least = np.linalg.eigvalsh(sums[ends[begins]] - sums[begins])[:, 0]
-    begin_ns = int(t_s[begins[least.argmax()]] * 1e9)
-    return begin_ns, begin_ns + int(MAX_SPAN_S * 1e9)
-
-
-def _is_too_slow(streams: Sequence[Stream], rate: Array, factor: float) -> bool:
-    """Whether the body turns too far between readings, at nine in ten."""
-    fast = float(np.quantile(np.linalg.norm(rate, axis=1), 0.9)) * factor
-    return bool(np.degrees(fast * max(each.step_s for each in streams)) > MAX_ROTATION_DEG)
+def liveliest(gyro: Stream) -> Stream:
+    """The stretch of a gyro's readings that has the most rotation about the axis of least rotation."""
+    begins = np.arange(gyro.t_ns[0], gyro.t_ns[-1] + 1, MAX_SPAN_NS // 4)
+    stretches = [gyro.between(begin, begin + MAX_SPAN_NS) for begin in begins.tolist()]
+    return max(stretches, key=lambda each: float(np.linalg.eigvalsh(each.readings.T @ each.readings)[0]))
 
 
 def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorComparison | None:
@@ -127,126 +108,124 @@ def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorCo
         Accelerometer and magnetometer, as far as there are such.
     found : Findings
     """
-    begin_ns, end_ns = liveliest(gyro)
-    found.marks.append(Mark("", "compared", begin_ns, end_ns))
-    streams = [each.between(begin_ns, end_ns) for each in (gyro, *others)]
-    origin_s = begin_ns // 10**9
-    averaged = [each.averaged(VECTOR_HZ if i else GYRO_HZ) for i, each in enumerate(streams)]
-    (t_s, rate), *readings = [(t_s - origin_s, values) for t_s, values in averaged]
-    worlds = Worlds(t_s, rate)
-    vectors = [
-        Misfits(Vector.of_readings(stream.sensor, *values, OFFSET_COSTS[stream.sensor]), worlds)
-        for stream, values in zip(streams[1:], readings, strict=True)
-    ]
-    vectors = [each for each in vectors if _is_long(each, t_s, found)]
+    gyro = liveliest(gyro)
+    found.marks.append(Mark("", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
+    vectors = list(_vectors(gyro, others, found))
     if not vectors:
         return None
-    top = np.abs(gyro.readings).max()
-    if found.has("clipped", "gyro") and np.mean(np.abs(gyro.readings).max(axis=1) == top) > MAX_CLIPPED:
-        _untold(vectors, "the gyro reaches its range too often", found)
-        return None
-    gyros = _search_all(vectors, worlds)
-    clearest = max((each.best()[0] for each in vectors), key=lambda gyro: max(each.contrast(gyro) for each in vectors))
-    if _is_too_slow(streams, rate, min(clearest.factor, 1.0)):  # larger ones are found where nothing fits
-        _untold(vectors, "the log is too slow for its motion: record it at a higher rate, or", found)
-        return None
-    vectors, taken_off = _weighed(vectors, worlds, gyros[len(GYROS) :], found)
-    vectors = [each for each in vectors if _fits(each, worlds, found)]
-    every = explanations(vectors, gyros) if vectors else []
+    turned = np.quantile(np.linalg.norm(gyro.readings, axis=1), 0.9) * max(each.step_s for each in (gyro, *others))
+    largest = np.abs(gyro.readings).max(axis=1)
+    if found.has("clipped", "gyro") and np.mean(largest == largest.max()) > MAX_CLIPPED:
+        verdict: Judgement | str = "the gyro reaches its range too often"
+    else:
+        verdict = _verdict(vectors, float(np.degrees(turned)), found)
+    if isinstance(verdict, Judgement):
+        return _refined(verdict)
+    axes = [f"{each.sensor}_axes" for each in vectors]
+    for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
+        found.ask(code, verdict)
+    return None
+
+
+def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterator[Misfits]:
+    """Vectors that have enough time in common with the gyro."""
+    begin_ns = int(gyro.t_ns[0])
+    t_s, rate = gyro.averaged(GYRO_HZ, begin_ns)
+    world = lru_cache(KEPT_WORLDS)(lambda gyro: integrated(t_s, gyro.multiplier * rate))
+    for stream in others:
+        averaged = stream.between(begin_ns, int(gyro.t_ns[-1])).averaged(VECTOR_HZ, begin_ns)
+        each = Misfits(stream.sensor, *averaged, OFFSET_COSTS[stream.sensor], world)
+        if each.lengths_s:
+            yield each
+        else:
+            found.ask(f"{stream.sensor}_axes", "the log has too little of this sensor together with the gyro")
+
+
+def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> Judgement | str:
+    """Choice of the rule, or why there is none.
+
+    Parameters
+    ----------
+    vectors : sequence of Misfits
+    turned_deg : float
+        Rotation from one reading to the next, nine in ten, if the gyro is right, degrees.
+    found : Findings
+    """
+    more = _searched(vectors)
+    clearest = max((each.best()[1] for each in vectors), key=lambda one: max(each.contrast(one) for each in vectors))
+    if turned_deg * min(clearest.factor, 1.0) > MAX_ROTATION_DEG:  # larger ones are found where nothing fits
+        return "the log is too slow for its motion: record it at a higher rate, or"
+    vectors = [fit for each in vectors for fit in _explained(each, more, found)]
+    every = explanations(vectors, (*GYROS, *more)) if vectors else []
     if not every:
-        _untold(vectors, "no one gyro explains all other sensors", found)
-        return None
+        return "no one gyro explains all other sensors"
     verdict = judged(every)
     factor = verdict.best.gyro.factor
-    fit = [each.by_delay(verdict.best.gyro)[1].min(axis=0) <= EXCLUDED * each.least for each in vectors]
-    if all(turns.sum() > 1 for turns in fit):  # about one axis a slow gyro fits where a fast one skips turns
-        factor = max(factor, 1.0)
-    if _is_too_slow(streams, rate, factor):
-        _untold(vectors, "the gyro that fits best turns too far between readings", found)
-        return None
-    return _refined(vectors, worlds, verdict, taken_off)
+    if all(len(each.turns(verdict.best.gyro)) > 1 for each in vectors):
+        factor = max(factor, 1.0)  # about one axis a slow gyro fits where a fast one skips turns
+    return (
+        "the gyro that fits best turns too far between readings" if turned_deg * factor > MAX_ROTATION_DEG else verdict
+    )
 
 
-def _untold(vectors: Sequence[Misfits], why: str, found: Findings) -> None:
-    """List all that a model would tell as undecided."""
-    axes = [f"{each.vector.sensor}_axes" for each in vectors]
-    for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
-        found.ask(code, why)
-
-
-def _is_long(each: Misfits, t_s: Array, found: Findings) -> bool:
-    """Whether a vector and the gyro have enough time in common; that they have not is told."""
-    times = [times for times in (t_s, each.vector.t_s) if len(times) > 1]
-    common = min(times[-1] for times in times) - max(times[0] for times in times) if len(times) == 2 else 0.0
-    if common < MIN_SPAN_S:
-        found.ask(f"{each.vector.sensor}_axes", f"the log has less than {MIN_SPAN_S:g} s of this sensor and the gyro")
-    return bool(common >= MIN_SPAN_S)
-
-
-def _search_all(vectors: Sequence[Misfits], worlds: Worlds) -> tuple[Gyro, ...]:
-    """Search with the gyros of the grid, then with the factors that each vector by itself fits best."""
+def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
+    """Search with the gyros of the grid, then with the factors that each vector by itself fits best, and tell those."""
     search(vectors)
     more: list[Gyro] = []
     for each in vectors:
-        gyro, delay_s, turn = each.best()
-        refined = refine([Placed(each, turn, delay_s)], worlds, gyro)
-        moved = abs(np.log(refined.gyro.factor / gyro.factor))
-        if moved > REFINED_LOG_FACTOR and refined.log_factor_sigma < MAX_LOG_FACTOR_ERROR:
-            more.extend(Gyro(sign, refined.gyro.factor) for sign in (gyro.sign, -gyro.sign))
+        _, gyro, delay_s, turn = each.best()
+        refined, factor, _ = refine([Fitting(each, turn, delay_s)], gyro)
+        if abs(np.log(refined.factor / gyro.factor)) > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
+            more.extend(Gyro(sign, refined.factor) for sign in (gyro.sign, -gyro.sign))
     if more:
         search(vectors, more)
-    return (*GYROS, *more)
+    return tuple(more)
 
 
-def _weighed(
-    vectors: Sequence[Misfits], worlds: Worlds, more: Sequence[Gyro], found: Findings
-) -> tuple[list[Misfits], bool]:
-    """The vectors without an accelerometer that has no gravity; one that lost a constant is searched anew with it."""
-    first = vectors[0]
-    if first.vector.sensor != "accelerometer":
-        return list(vectors), False
-    held = weight(first, worlds)
-    if held.is_healthy:
-        return list(vectors), False
-    free = Misfits(replace(first.vector, offset_cost=MAGNETOMETER_OFFSET_COST), worlds)
-    search([free])
-    if more:
-        search([free], more)
-    freed = weight(free, worlds)
-    if freed.is_better_than(held):
-        return [free, *vectors[1:]], True
-    if held.is_without_gravity:
-        text = (
-            f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it off, "
-            "or the body falls freely"
-        )
-        or_else = ("accelerometer_units",) if held.swing < MAX_SWING else ()
-        found.name("gravity_removed", "accelerometer", text, before=held.misfit, or_else=or_else)
-        return list(vectors[1:]), False
-    if held.unit is not None:
-        found.ask("gravity_removed", f"{held.offset:.0%} of gravity are constant on the accelerometer's axes")
-    return list(vectors), False
-
-
-def _fits(each: Misfits, worlds: Worlds, found: Findings) -> bool:
-    """Whether some hypothesis makes a vector constant; that none does is told."""
-    misfit = weight(each, worlds).misfit
-    if misfit <= MAX_MISFIT:
-        return True
-    sensor = each.vector.sensor
+def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator[Misfits]:
+    """The vector, if some hypothesis makes it constant; an accelerometer that lost a constant is searched anew."""
+    sensor = each.sensor
+    held = _best_constants(each)
+    if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
+        free = Misfits(sensor, each.t_s, each.unit * each.size, MAGNETOMETER_OFFSET_COST, each.world)
+        search([free])
+        if more:
+            search([free], more)
+        freed = _best_constants(free)
+        is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
+        if is_taken_off and held.misfit >= freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
+            each = free
+            held = freed
+        elif held.size < MAX_NO_GRAVITY * GRAVITY:
+            text = (
+                f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it "
+                "off, or the body falls freely"
+            )
+            or_else = ("accelerometer_units",) if held.swing < MAX_SWING else ()
+            found.name("gravity_removed", sensor, text, before=held.misfit, or_else=or_else)
+            return
+        elif held.has_unit:
+            found.ask("gravity_removed", f"{held.offset_share:.0%} of gravity are constant on the accelerometer's axes")
+    left = held.misfit * each.size / held.size
+    if left <= MAX_MISFIT:
+        yield each
+        return
     for code in (f"{sensor}_axes", *(["gravity_removed"] if sensor == "accelerometer" else [])):
-        found.ask(code, f"no repair makes the {sensor} constant in the world, {misfit:.0%} of it remain")
-    return False
+        found.ask(code, f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain")
 
 
-def _refined(vectors: Sequence[Misfits], worlds: Worlds, verdict: Judgement, taken_off: bool) -> SensorComparison:
+def _best_constants(each: Misfits) -> Constants:
+    """Constants under the hypothesis that fits a vector best."""
+    _, gyro, delay_s, turn = each.best()
+    return constants_of(Fitting(each, turn, delay_s), gyro)
+
+
+def _refined(verdict: Judgement) -> SensorComparison:
+    """The explanation that the rule chose, with its constants fitted."""
     best = verdict.best
-    placed = [Placed(each, fit.turn, fit.delay_s) for each, fit in zip(vectors, best.fittings, strict=True)]
-    refined = refine(placed, worlds, best.gyro)
-    world = worlds.of(refined.gyro)
+    gyro, factor, delays = refine(best.fittings, best.gyro)
     compared = []
-    for each, delay, told in zip(placed, refined.delays, verdict.turns_told, strict=True):
-        moved = each._replace(delay_s=delay.delay_s)
-        is_told = told and not verdict.fewer
-        compared.append(Compared(each.misfits.vector.sensor, moved, delay, constants_of(moved, world), is_told))
-    return SensorComparison(worlds, verdict, refined.gyro, refined.log_factor_sigma, tuple(compared), taken_off)
+    for each, delay, is_told in zip(best.fittings, delays, verdict.turns_told, strict=True):
+        moved = each._replace(delay_s=delay.place)
+        compared.append(Compared(each.sensor, moved, delay, constants_of(moved, gyro), is_told))
+    return SensorComparison(verdict, gyro, factor, tuple(compared))

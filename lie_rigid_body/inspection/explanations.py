@@ -6,7 +6,7 @@ is as good a frame. The gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -26,7 +26,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     Gyro,
 )
-from lie_rigid_body.inspection.search import Misfits
+from lie_rigid_body.inspection.search import Fitting, Misfits
 
 
 class SensorRepair(NamedTuple):
@@ -39,31 +39,14 @@ class SensorRepair(NamedTuple):
     sensor : str
     text : str
         The repair in a few characters, such as ``y x -z``; empty where a constant is fitted.
+    unit : float
+        Factor of a unit.
     """
 
     code: str
     sensor: str
     text: str = ""
-
-
-class Fitting(NamedTuple):
-    """One vector under one gyro.
-
-    Attributes
-    ----------
-    turn : int
-        Index in `TURNS`.
-    delay_s : float
-    ratio : float
-        Misfit over the least one of this vector.
-    is_late : bool
-        Whether the delay is a repair.
-    """
-
-    turn: int
-    delay_s: float
-    ratio: float
-    is_late: bool
+    unit: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -72,35 +55,32 @@ class SensorExplanation:
 
     Attributes
     ----------
-    ratio : float
-        Largest ratio of its vectors.
     repairs : tuple of SensorRepair
         Without delays, which are fitted.
-    late : tuple of SensorRepair
-        Delays that the fit needs.
+    late : tuple of str
+        Sensors with delays that the fit needs.
     gyro : Gyro
-    frame : int
-        Turn C of the common frame.
+    axes : mapping of str to ndarray, shape (3, 3)
+        Axes of each sensor in the common frame.
     fittings : tuple of Fitting
-        Of each vector.
+        Those of the vectors.
     """
 
-    ratio: float
     repairs: tuple[SensorRepair, ...]
-    late: tuple[SensorRepair, ...]
+    late: tuple[str, ...]
     gyro: Gyro
-    frame: int
+    axes: Mapping[str, Array]
     fittings: tuple[Fitting, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Largest ratio of its vectors."""
+        return max(each.ratio for each in self.fittings)
 
     @property
     def count(self) -> int:
         """Number of repairs."""
         return len(self.repairs) + len(self.late)
-
-    @property
-    def keeps_gyro(self) -> bool:
-        """Whether the readings of the gyro stay as they are."""
-        return all(repair.sensor != "gyro" for repair in self.repairs)
 
 
 @dataclass(frozen=True)
@@ -118,7 +98,8 @@ class Judgement:
     undecided : tuple of SensorRepair
         Repairs between which the log does not decide.
     turns_told : tuple of bool
-        Of each vector: whether its turn is the same in all explanations.
+        Whether the log tells the turn of each vector, and so its delay and offset: it is the same in all explanations,
+        and none of fewer repairs does.
     fewer : bool
         Whether an explanation of fewer repairs is not excluded.
     """
@@ -138,95 +119,72 @@ def axes_text(matrix: Array) -> str:
 
 def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     """The repair that a factor of the gyro is: a unit, another factor, or none."""
-    size = np.log(factor)
-    if abs(size) < MIN_LOG_FACTOR:
-        return ()
-    if abs(abs(size) + np.log(DEGREE)) < MIN_LOG_FACTOR:
-        return (SensorRepair("gyro_units", "gyro", "× π/180" if size < 0.0 else "× 180/π"),)
-    return (SensorRepair("time_step", "gyro"),)
+    for text, unit in (("× π/180", DEGREE), ("× 180/π", 1.0 / DEGREE)):
+        if abs(np.log(factor / unit)) < MIN_LOG_FACTOR:
+            return (SensorRepair("gyro_units", "gyro", text, unit),)
+    return (SensorRepair("time_step", "gyro"),) if abs(np.log(factor)) >= MIN_LOG_FACTOR else ()
 
 
-def axes_repairs(names: Sequence[str], sign: int, frame: int, turns: Sequence[int]) -> tuple[SensorRepair, ...]:
-    """Repairs of axes, with one turn as the frame of all.
+def axes_of(sign: int, frame: int, turns: Mapping[str, int]) -> dict[str, Array]:
+    """Axes of all sensors, with one turn as the frame of all: the identity for those that are right.
 
     Parameters
     ----------
-    names : sequence of str
-        Sensors of the vectors.
     sign : int
         Sign of the gyro; in the sensors' own frame a gyro of the other sign is a left-handed frame.
     frame : int
-    turns : sequence of int
-        Of each vector.
+    turns : mapping of str to int
+        Those of the vectors, by their sensors.
     """
     back = TURNS[frame].T
-    matrices = {"gyro": sign * back, **{name: back @ TURNS[turn] for name, turn in zip(names, turns, strict=True)}}
-    return tuple(
-        SensorRepair(f"{name}_axes", name, axes_text(matrix))
-        for name, matrix in matrices.items()
-        if not np.array_equal(matrix, np.eye(3))
-    )
+    return {"gyro": sign * back, **{sensor: back @ TURNS[turn] for sensor, turn in turns.items()}}
 
 
-def _late_repairs(names: Sequence[str], fittings: Sequence[Fitting]) -> tuple[SensorRepair, ...]:
-    """Delays that are repairs: two alike are one, of the gyro."""
-    late = [(name, each.delay_s) for name, each in zip(names, fittings, strict=True) if each.is_late]
-    if len(late) == 2 and abs(late[0][1] - late[1][1]) < SAME_DELAY_S:
-        return (SensorRepair("gyro_late", "gyro"),)
-    return tuple(SensorRepair(f"{name}_late", name) for name, _ in late)
+def axes_repairs(axes: Mapping[str, Array]) -> tuple[SensorRepair, ...]:
+    """Repairs of axes that are not right."""
+    texts = {name: axes_text(matrix) for name, matrix in axes.items()}
+    return tuple(SensorRepair(f"{name}_axes", name, text) for name, text in texts.items() if text != "x y z")
+
+
+def _late(fittings: Sequence[Fitting]) -> tuple[str, ...]:
+    """Sensors whose delays are repairs: two alike are one, of the gyro."""
+    late = {each.sensor: each.delay_s for each in fittings if each.is_late}
+    return ("gyro",) if len(late) == 2 and np.ptp([*late.values()]) < SAME_DELAY_S else tuple(late)
 
 
 def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     """Turns of a vector under one gyro that are not excluded, without a delay and with the best one."""
     delays, misfits = found.by_delay(gyro)
-    if not len(delays):
-        return []
+    ratios = misfits / found.best()[0]
     short = np.flatnonzero(np.abs(delays) <= MIN_DELAY_S)
-    least = found.least
     fittings = []
-    for turn, best in enumerate(misfits.argmin(axis=0)):
-        plain = short[misfits[short, turn].argmin()]
-        places = [(plain, False)] if best in short else [(plain, False), (best, True)]
-        for place, is_late in places:
-            ratio = float(misfits[place, turn]) / least
-            if ratio <= EXCLUDED:
-                fittings.append(Fitting(turn, float(delays[place]), ratio, is_late))
-    return fittings
-
-
-def _combinations(options: Sequence[Sequence[Fitting]], most: int) -> Iterator[tuple[int, tuple[Fitting, ...]]]:
-    """Frames, each that of a sensor, and fittings of all vectors with at most so many repairs of axes."""
-    for frame in sorted({0, *(fitting.turn for each in options for fitting in each)}):
-        left = most - (frame != 0)
-        near = [[fitting for fitting in each if fitting.turn == frame or left > 0] for each in options]
-        for fittings in product(*near):
-            turned = sum(fitting.turn != frame for fitting in fittings)
-            if turned <= left and (frame == 0 or turned < len(fittings)):
-                yield frame, fittings
+    for turn, best in enumerate(ratios.argmin(axis=0)):
+        plain = short[ratios[short, turn].argmin()]
+        for place in {plain, best}:
+            fittings.append(Fitting(found, turn, float(delays[place]), float(ratios[place, turn]), place not in short))
+    return [each for each in fittings if each.ratio <= EXCLUDED]
 
 
 def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[SensorExplanation]:
-    """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first.
-
-    More repairs of axes and factors are only looked for while fewer have none that fits.
-    """
-    names = [each.vector.sensor for each in found]
-    options = {gyro: [_fittings(each, gyro) for each in found] for gyro in gyros}
-    for most in range(len(found) + 3):
-        every: dict[tuple[tuple[SensorRepair, ...], tuple[SensorRepair, ...]], SensorExplanation] = {}
-        for gyro in gyros:
-            factor = factor_repair(gyro.factor)
-            for frame, fittings in _combinations(options[gyro], most - len(factor)):
-                axes = axes_repairs(names, gyro.sign, frame, [fitting.turn for fitting in fittings])
-                late = _late_repairs(names, fittings)
-                ratio = max(fitting.ratio for fitting in fittings)
-                new = SensorExplanation(ratio, (*factor, *axes), late, gyro, frame, fittings)
-                key = new.repairs, new.late
-                if new.count <= most and (key not in every or ratio < every[key].ratio):
-                    every[key] = new
-        if any(each.ratio <= TOLD_APART for each in every.values()):
-            return sorted(every.values(), key=lambda each: (each.count, not each.keeps_gyro, each.ratio))
-    return []
+    """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first."""
+    every: dict[object, SensorExplanation] = {}
+    most = np.inf
+    for gyro in gyros:
+        factor = factor_repair(gyro.factor)
+        for fittings in product(*(_fittings(each, gyro) for each in found)):
+            turns = {each.sensor: each.turn for each in fittings}
+            for frame in sorted({0, *turns.values()}):
+                turned = sum(turn != frame for turn in turns.values()) + (frame != 0 or gyro.sign < 0)
+                if len(factor) + turned > most:
+                    continue
+                axes = axes_of(gyro.sign, frame, turns)
+                new = SensorExplanation((*factor, *axes_repairs(axes)), _late(fittings), gyro, axes, fittings)
+                known = every.setdefault((new.repairs, new.late), new)
+                every[new.repairs, new.late] = min(known, new, key=lambda each: each.ratio)
+                if new.ratio <= TOLD_APART:
+                    most = min(most, new.count)
+    few = [each for each in every.values() if each.count <= most < np.inf]
+    return sorted(few, key=lambda each: (each.count, "gyro" in {repair.sensor for repair in each.repairs}, each.ratio))
 
 
 def judged(every: Sequence[SensorExplanation]) -> Judgement:
@@ -239,22 +197,21 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     """
     fit = [each for each in every if each.ratio <= TOLD_APART]
     best = fit[0]
-    same = [each for each in fit if each.count == best.count]
-    fewest = list(dict.fromkeys(each.repairs for each in same))
-    fewer = [each for each in every if each.count < best.count and each.repairs not in fewest]
-    if fewest != [()]:
-        fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in every if each.count == best.count)]))
-    shared = [repair for repair in best.repairs if all(repair in repairs for repairs in fewest)]
-    is_few = len(fewest) <= MAX_ALTERNATIVES
-    among = [each for each in every if each.count == best.count and each.repairs in fewest]
-    counts = [len({each.fittings[i].turn for each in among}) for i in range(len(best.fittings))]
-    named_ones = () if fewer else best.repairs if is_few else tuple(shared)
-    open_ones = [*fewest, *(each.repairs for each in fewer)] if fewer else [] if is_few else fewest
+    fewest = list(dict.fromkeys(each.repairs for each in fit if each.count == best.count))
+    fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
+    as_few = [each for each in every if each.count == best.count and (any(fewest) or each in fit)]
+    fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in as_few)]))
+    every_one = [*fewest, *fewer]
+    is_open = len(fewest) > MAX_ALTERNATIVES or bool(fewer)
+    shared = tuple(repair for repair in best.repairs if all(repair in repairs for repairs in every_one))
+    named_ones = shared if is_open else best.repairs
+    turns = zip(*[[fitting.turn for fitting in each.fittings] for each in as_few], strict=True)
+    open_ones = dict.fromkeys(repair for repairs in every_one for repair in repairs if repair not in named_ones)
     return Judgement(
         best,
-        tuple(named_ones),
-        tuple(repairs for repairs in fewest if repairs != best.repairs) if is_few and not fewer else (),
-        tuple(dict.fromkeys(repair for repairs in open_ones for repair in repairs if repair not in named_ones)),
-        tuple(count == 1 for count in counts),
+        named_ones,
+        () if is_open else tuple(repairs for repairs in fewest if repairs != best.repairs),
+        tuple(open_ones) if is_open else (),
+        tuple(len({*each}) == 1 and not fewer for each in turns),
         bool(fewer),
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 HOW: Final = "turn it slowly once about each axis, then let it rest for ten seconds"
@@ -107,6 +109,33 @@ class Mark:
 
 
 @dataclass
+class Change:
+    """Change of the readings of a sensor that undoes its mistakes.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (3, 3)
+        From the readings less the offset.
+    offset : ndarray, shape (3,)
+    delay_s : float
+        Time from when they were true to their stamps, s.
+    """
+
+    matrix: Array = field(default_factory=lambda: np.eye(3))
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    delay_s: float = 0.0
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing is changed."""
+        return not self.delay_s and not self.offset.any() and np.array_equal(self.matrix, np.eye(3))
+
+    def applied(self, readings: Array) -> Array:
+        """Readings, shape (N, 3), with the change."""
+        return np.asarray((readings - self.offset) @ self.matrix.T)
+
+
+@dataclass
 class Findings:
     """Findings up to now."""
 
@@ -115,6 +144,7 @@ class Findings:
     notes: list[LogNote] = field(default_factory=list)
     sensors: dict[str, Estimated] = field(default_factory=dict)
     marks: list[Mark] = field(default_factory=list)
+    changes: defaultdict[str, Change] = field(default_factory=lambda: defaultdict(Change))
 
     def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
         """Add a mistake; ``more`` are fields of `LogMistake`."""

@@ -14,17 +14,21 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
 from lie_rigid_body.inspection.against_truth import AgainstTruth, report_truth
-from lie_rigid_body.inspection.comparison import SensorComparison, compare
-from lie_rigid_body.inspection.findings import Estimated, Findings, LogMistake, LogNote, Mark, Undecided
+from lie_rigid_body.inspection.comparison import compare
+from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
-from lie_rigid_body.inspection.sentences import Change, Changes, tell, tell_field_unit
+from lie_rigid_body.inspection.sentences import tell, tell_unit
 from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
 
-READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
-"""Arrays of the readings of each sensor."""
+READINGS: Final = {
+    "gyro": ("imu", "gyro"),
+    "accelerometer": ("imu", "specific_force"),
+    "magnetometer": ("magnetometer", "field"),
+}
+"""Sensors of a run and arrays of theirs that are the readings of each sensor of a log."""
 _OF_TIMES: Final = ("rates", "_late", "_mounting")
 """Ends of the codes of notes that are of the log as it is; others are of the repaired readings."""
 
@@ -71,9 +75,7 @@ class Inspection(Shown):
     def to_dict(self) -> dict[str, Any]:
         """Everything that was found as numbers, text and lists."""
         return {
-            "mistakes": [asdict(each) for each in self.mistakes],
-            "undecided": [asdict(each) for each in self.undecided],
-            "notes": [asdict(each) for each in self.notes],
+            **{name: [asdict(each) for each in getattr(self, name)] for name in ("mistakes", "undecided", "notes")},
             "sensors": {name: asdict(each) for name, each in self.sensors.items()},
             "passed": self.passed,
         }
@@ -86,12 +88,11 @@ class Inspection(Shown):
         Run
         """
         sensors = dict(self.run.sensors)
-        for sensor, name in READINGS.items():
-            key = sensor_key(sensor)
-            if key in self.stamps:
+        for sensor, (key, name) in READINGS.items():
+            if key in self.stamps and getattr(sensors[key], name) is not None:
                 change = self._changes[sensor]
                 t_ns = self.stamps[key]
-                readings = (getattr(sensors[key], name) - change.offset) @ change.matrix.T
+                readings = change.applied(getattr(sensors[key], name))
                 if key == sensor:
                     t_ns = t_ns - round(change.delay_s * 1e9)
                 elif change.delay_s:  # the stamps of an IMU are common
@@ -107,11 +108,6 @@ class Inspection(Shown):
         return run.with_truth(
             SampledTruth(t_ns, quaternion.multiply(known.at(known.stamps_ns), self._truth.mounting_xyzw))
         )
-
-
-def sensor_key(sensor: str) -> str:
-    """Key among the sensors of a run of the one that has these readings."""
-    return sensor if sensor == "magnetometer" else "imu"
 
 
 def inspect(run: Run | str | Path) -> Inspection:
@@ -151,32 +147,33 @@ def inspect(run: Run | str | Path) -> Inspection:
 
 def _inspected(run: Run) -> Inspection:
     found = Findings()
-    changes: Changes = {sensor: Change.none() for sensor in READINGS}
     stamps = _stamps(run, found)
-    streams = {
-        sensor: Stream.of(sensor, stamps[sensor_key(sensor)], getattr(run.sensors[sensor_key(sensor)], name))
-        for sensor, name in READINGS.items()
-        if sensor_key(sensor) in stamps and getattr(run.sensors[sensor_key(sensor)], name) is not None
-    }
     for key, t_ns in stamps.items():
         found.estimate(f"{key}_rate", float(f"{1e9 / np.median(np.diff(t_ns)):.7g}"))
+    streams = {
+        sensor: Stream.of(sensor, stamps[key], readings)
+        for sensor, (key, name) in READINGS.items()
+        if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
+    }
     if "accelerometer" in streams:
-        tell_noise(list(streams.values()), _declared(run), found)
+        tell_noise([*streams.values()], _declared(run), found)
     streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
     for stream in streams.values():
         tell_values(stream, found)
     streams = {sensor: stream for sensor, stream in streams.items() if not found.has("stuck", sensor)}
-    comparison = None
     if "gyro" in streams and len(streams) > 1:
         gyro, *others = streams.values()
         comparison = compare(gyro, others, found)
-    if comparison is not None:
-        tell(comparison, found, changes)
+        if comparison is not None:
+            tell(comparison, found)
     if "magnetometer" in streams:
-        tell_field_unit(_field(streams["magnetometer"], comparison), found, changes)
+        iron = found.sensors.get("magnetometer_hard_iron")
+        field = streams["magnetometer"].readings - (iron.value if iron else 0.0)
+        tell_unit("magnetometer", float(np.median(np.linalg.norm(field, axis=1))), is_sure=True, found=found)
     truth = None
     if run.given_truth is not None and "gyro" in streams:
-        truth = report_truth(found, changes["gyro"].applied(streams["gyro"]), run.given_truth)
+        gyro = replace(streams["gyro"], readings=found.changes["gyro"].applied(streams["gyro"].readings))
+        truth = report_truth(found, gyro, run.given_truth)
     return Inspection(
         tuple(found.mistakes),
         tuple(found.undecided.values()),
@@ -185,7 +182,7 @@ def _inspected(run: Run) -> Inspection:
         run,
         tuple(found.marks),
         stamps,
-        changes,
+        found.changes,
         truth,
     )
 
@@ -198,24 +195,18 @@ def _declared(run: Run) -> dict[str, Array]:
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
-    keys = [key for key in ("imu", "magnetometer") if key in run.sensors and len(run.sensors[key].t_ns) > 1]
-    spans = [(int(run.sensors[key].t_ns.min()), int(run.sensors[key].t_ns.max())) for key in keys]
-    widest = max(spans, key=lambda span: span[1] - span[0], default=(0, 0))
-    stamps = {key: checked_stamps(key, run.sensors[key].t_ns, widest, found) for key in keys}
-    if widest[0] == widest[1]:
+    keys = {key for key, _ in READINGS.values()}
+    given = {key: each.t_ns for key, each in run.sensors.items() if key in keys and len(each.t_ns) > 1}
+    widest = max(given.values(), key=np.ptp, default=np.zeros(1, dtype=np.int64))
+    stamps = {key: checked_stamps(key, t_ns, widest, found) for key, t_ns in given.items()}
+    if not np.ptp(widest):
         return {}  # no stamps tell any time
     if len(stamps) == 2:
-        imu, other = stamps.values()
+        imu = stamps["imu"]
+        other = stamps["magnetometer"]
         if other[0] > imu[-1] or imu[0] > other[-1]:
             ahead_s = (other[0] - imu[0]) / 1e9
             text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
             found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
             stamps["magnetometer"] = other - other[0] + imu[0]
     return stamps
-
-
-def _field(stream: Stream, comparison: SensorComparison | None) -> float:
-    """Median size of the readings of a magnetometer, less their offset where it is told."""
-    told = [each for each in comparison.vectors if each.sensor == stream.sensor and each.is_told] if comparison else []
-    offset = told[0].constants.offset if told else np.zeros(3)
-    return float(np.median(np.linalg.norm(stream.readings - offset, axis=1)))

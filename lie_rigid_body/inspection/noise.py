@@ -75,70 +75,64 @@ def allan(readings: Array, step_s: float) -> Allan:
         Time between readings, s.
     """
     count, axes = readings.shape
-    sums = np.concatenate([np.zeros((1, axes)), np.cumsum(readings - readings.mean(axis=0), axis=0)])
+    sums = np.cumsum(np.pad(readings - readings.mean(axis=0), ((1, 0), (0, 0))), axis=0)
     shortest = max(MIN_ALLAN_S / step_s, 1.0)
-    longest = count / MIN_ALLAN_CYCLES
-    powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(longest))
-    variances: list[float] = []
-    for size in powers.astype(np.int64):
-        second = sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]
-        variances.append(float(np.mean(second**2)) / (2.0 * size**2))
-    return Allan(powers * step_s, np.array(variances), axes * (1.5 * count / powers - 2.0))
+    powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(count / MIN_ALLAN_CYCLES))
+    squares = [
+        np.mean((sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]) ** 2)
+        for size in powers.astype(np.int64)
+    ]
+    return Allan(powers * step_s, np.array(squares) / (2.0 * powers**2), axes * (1.5 * count / powers - 2.0))
 
 
 def density(found: Allan) -> Density:
     """Fit white noise and a random walk to an Allan variance; the walk is left out where it is not told."""
     model = np.stack([1.0 / found.tau_s, found.tau_s / 3.0], axis=1)
-    squares, covariance = _weighted(model, found)
-    if squares[1] <= SIGMAS * np.sqrt(OCTAVES_SHARED * covariance[1, 1]):
-        squares, covariance = _weighted(model[:, :1], found)
-    sizes = np.sqrt(np.maximum(squares, 0.0))
-    sigmas = np.sqrt(OCTAVES_SHARED * np.diag(covariance)) / np.maximum(2.0 * sizes, np.finfo(np.float64).tiny)
-    walk = (float(sizes[1]), float(sigmas[1])) if len(sizes) > 1 else (0.0, 0.0)
-    return Density(float(sizes[0]), float(sigmas[0]), *walk)
+    squares, errors = _weighted(model, found)
+    if squares[1] <= SIGMAS * errors[1]:
+        squares, errors = _weighted(model[:, :1], found)
+    sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
+    numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
+    return Density(*[*numbers, 0.0, 0.0][:4])
 
 
 def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
-    """Coefficients of a model of the variance and their covariance, weighted by the model's own standard errors."""
+    """Coefficients of a model of the variance and their standard errors, weighted by those of the model itself."""
     expected = found.variance
     for _ in range(3):
-        weights = found.freedom / (2.0 * np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
-        covariance = np.linalg.inv(model.T * weights @ model)
-        squares = covariance @ (model.T * weights @ found.variance)
+        weighted = model.T * (found.freedom / 2.0 / np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
+        covariance = np.linalg.inv(weighted @ model)
+        squares = covariance @ weighted @ found.variance
         expected = np.abs(model @ squares)
-    return squares, covariance
+    return squares, np.sqrt(OCTAVES_SHARED * np.diag(covariance))
 
 
-def _windows_at_rest(readings: Array, size: int, most: float) -> Booleans:
-    """Whether each window scatters as white noise does, with a mean like those beside it and of at most a size."""
-    count = len(readings) // size
-    part = size // REST_PARTS
-    windows = readings[: count * size].reshape(count, size, 3)
-    means = windows.mean(axis=1)
-    variances = windows.var(axis=1)
-    parts = windows[:, : part * REST_PARTS].reshape(count, REST_PARTS, part, 3).mean(axis=2).var(axis=1)
-    is_white = (parts * part <= MAX_REST_COLOUR * variances).all(axis=1)
-    change = np.abs(np.diff(means, axis=0)) <= REST_SIGMAS * np.sqrt(2.0 * variances[1:] / size)
-    is_steady = np.concatenate([[True], change.all(axis=1)])
-    return np.asarray(is_white & is_steady & (np.linalg.norm(means, axis=1) <= most))
+def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
+    """Whether each window scatters as white noise does, with a mean like that before and of at most a size."""
+    size = part * REST_PARTS
+    parts = readings[: len(readings) // size * size].reshape(-1, REST_PARTS, part, 3)
+    means = parts.mean(axis=(1, 2))
+    variances = parts.var(axis=(1, 2))
+    is_white = parts.mean(axis=2).var(axis=1) * part <= MAX_REST_COLOUR * variances
+    change = np.abs(np.diff(means, axis=0, prepend=means[:1]))
+    is_steady = change <= REST_SIGMAS * np.sqrt(2.0 * variances / size)
+    return np.asarray((is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most))
 
 
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
-    count = len(gyro.t_ns)
-    step_s = gyro.step_s if count > 1 else 0.0
-    size = round(REST_WINDOW_S / step_s) if step_s else 0
-    if not 2 * REST_PARTS <= size <= count or count != len(accelerometer.t_ns):
+    step_s = gyro.step_s
+    part = round(REST_WINDOW_S / REST_PARTS / step_s) if step_s else 0
+    size = part * REST_PARTS
+    if part < 2 or not size <= len(gyro.t_ns) == len(accelerometer.t_ns):
         return None
-    at_rest = _windows_at_rest(gyro.readings, size, MAX_REST_RATE)
-    at_rest &= _windows_at_rest(accelerometer.readings, size, np.inf)
-    firsts, lasts = runs_of(0, at_rest)
-    if not len(firsts):
+    at_rest = _windows_at_rest(gyro.readings, part, MAX_REST_RATE)
+    at_rest &= _windows_at_rest(accelerometer.readings, part, np.inf)
+    runs = zip(*runs_of(0, at_rest), strict=True)
+    first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
+    if (last + 1 - first) * size * step_s < MIN_REST_S:
         return None
-    best = int((lasts - firsts).argmax())
-    if (lasts[best] + 1 - firsts[best]) * size * step_s < MIN_REST_S:
-        return None
-    return int(gyro.t_ns[firsts[best] * size]), int(gyro.t_ns[(lasts[best] + 1) * size - 1])
+    return int(gyro.t_ns[first * size]), int(gyro.t_ns[(last + 1) * size - 1])
 
 
 def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
@@ -175,7 +169,7 @@ def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Find
         still = stream.between(*rest)
         if stream.sensor in declared:
             _judge_variance(still, declared[stream.sensor], found)
-        step_s = still.step_s if len(still.t_ns) > 1 else np.inf
+        step_s = still.step_s
         if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
             continue
         measured = allan(still.readings, step_s)

@@ -50,14 +50,14 @@ BLOCK_S: Final = 1.0 / 16.0
 """Time over which products of readings are averaged before the windows, s."""
 MAX_STEPS: Final = 200
 """Number of steps between windows from which some are left out."""
-MIN_WINDOWS: Final = 8
-"""Least number of windows that judge."""
+MIN_LENGTHS: Final = 5.5
+"""Least duration of a log in lengths of the windows: those of ten of them."""
 MIN_SHARE_LEFT: Final = 0.4
 """Least share of the vector that windows leave: longer ones than a spin leave nothing, and wrong gyros fit best."""
 MAX_ROTATION_DEG: Final = 20.0
 """Largest rotation between readings, at nine in ten, that a gyro can follow: walks at 2 Hz had false names above it."""
-MAX_SPAN_S: Final = 150.0
-"""Longest stretch that is compared with models, s: the one that turns most about its least axis."""
+MAX_SPAN_NS: Final = 150 * 10**9
+"""Longest stretch that is compared with models, ns: the one that turns most about its least axis."""
 
 # --- hypotheses ----------------------------------------------------------------------------------------------------
 TURNS: Final[Array] = SIGNED_PERMUTATIONS[np.linalg.det(SIGNED_PERMUTATIONS) > 0.0]
@@ -88,8 +88,8 @@ NO_DELAYS_S: Final = (0.0, -0.02, 0.02)
 """Delays that are none, s."""
 DELAYS_S: Final = (*NO_DELAYS_S, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
 """Delays of the scan, s."""
-HOPELESS: Final = 6.0
-"""Factor by which a gyro stands out less than the best one, and is not scanned for delays."""
+MAX_DELAY_S: Final = max(DELAYS_S)
+"""Longest of them, s."""
 REFINED_LOG_FACTOR: Final = 0.02
 """Change of the logarithm of a factor, fitted to one vector, from which it is a hypothesis of its own. A factor that is
 10 % off the grid does not fit fast rotations."""
@@ -116,22 +116,31 @@ INDEPENDENT_STEPS: Final = 40.0
 errors of hard iron were 0.12 on average, and 0.28 at most, of those that one step allows."""
 SHAPE_COST: Final = 0.01**2
 """Squared misfit that an element of soft iron of 1 costs."""
+MOUNTING_ERROR: Final = 0.01
+"""Error of the axes of two sensors against each other, rad, which looks like a rotation by soft iron: boards and data
+sheets allow half a degree."""
 MAX_SHAPE_ERROR: Final = 0.02
 """Largest standard error of an element of soft iron with which it is told."""
-FREE_OFFSET_COST: Final = 1e6
-"""Squared misfit of an offset that is held at 0."""
 
 # --- gravity and units -----------------------------------------------------------------------------------------------
 GRAVITY: Final = 9.80665
 """Standard gravity, m/s²."""
 ACCELEROMETER_UNITS: Final = {"m/s²": GRAVITY, "g": 1.0, "mg": 1e3, "cm/s²": 100.0 * GRAVITY}
 """Gravity in the units of accelerometers."""
-MAGNETOMETER_UNITS: Final = {"T": 1.0, "G": 1e-4, "µT": 1e-6, "mG": 1e-7, "nT": 1e-9}
-"""Teslas of the units of magnetometers."""
-FIELDS_T: Final = (1.2e-5, 1.2e-4)
-"""Sizes of a field that is the earth's, T: 22 to 67 µT, and as much again for iron."""
-FIELD_MARGIN: Final = 2.0
-"""Factor outside of these sizes up to which a magnet near by explains the field as well as a unit does."""
+FIELD_T: Final = 3.8e-5
+"""Size of the earth's field, T, within a factor of two."""
+MAGNETOMETER_UNITS: Final = {
+    "T": FIELD_T,
+    "G": FIELD_T * 1e4,
+    "µT": FIELD_T * 1e6,
+    "mG": FIELD_T * 1e7,
+    "nT": FIELD_T * 1e9,
+}
+"""This field in the units of magnetometers."""
+SAME_FIELD: Final = 1.15
+"""Logarithm of the ratio to it up to which a field is the earth's: 12 to 120 µT, as iron adds as much again."""
+OTHER_FIELD: Final = 1.85
+"""Logarithm of the ratio from which a unit explains the field, and a magnet near by does not."""
 SAME_UNIT: Final = 0.07
 """Logarithm of the ratio to a unit's gravity up to which it is this unit: healthy recordings have 0.015 at most."""
 OTHER_UNIT: Final = 0.15
@@ -180,8 +189,6 @@ GYRO_HZ: Final = 90.0
 """Rate from which readings of the gyro are averaged in pairs and more, Hz."""
 VECTOR_HZ: Final = 45.0
 """The rate for the other sensors, Hz."""
-MIN_SPAN_S: Final = 5.0
-"""Least duration of a log that is compared with models, s: nine windows of the shortest length."""
 MAX_GRID_STEPS: Final = 2**24
 """Largest number of steps between the extremes of readings that are multiples of a resolution: sensors have 24 bits."""
 GRID_TOLERANCE: Final = 0.01

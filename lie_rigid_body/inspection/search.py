@@ -2,184 +2,166 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from functools import lru_cache
-from itertools import product
-from typing import Final
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import cached_property, partial
+from heapq import nlargest
+from itertools import chain, product
+from operator import itemgetter
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.inspection.minimum import minimum
 from lie_rigid_body.inspection.rule import (
+    CHUNKS,
+    DELAY_STEPS_S,
     DELAYS_S,
+    EXCLUDED,
     GYROS,
-    HOPELESS,
-    LENGTHS_S,
     MIN_SHARE_LEFT,
     RIGHT,
+    TURNS,
     Gyro,
 )
-from lie_rigid_body.inspection.world import Vector, World, fit_turns
-
-KEPT_WORLDS: Final = 6
-"""Number of worlds that are kept: each takes 200 bytes a reading of the gyro."""
-MIN_MOVE_S: Final = 0.001
-"""Least distance of a delay between those of the scan, s, that is tried."""
+from lie_rigid_body.inspection.world import Vector, gram
 
 
-class Worlds:
-    """Worlds of the readings of a gyro, each integrated once while it is needed.
+class Misfits(Vector):
+    """Misfits of one vector under the hypotheses that were tried; parameters are those of a `Vector`."""
 
-    Parameters
-    ----------
-    t_s : ndarray, shape (N,)
-    rate : ndarray, shape (N, 3)
-        Readings of the gyro as they are.
-    """
-
-    def __init__(self, t_s: Array, rate: Array) -> None:
-        self.of = lru_cache(KEPT_WORLDS)(lambda gyro: World.of_rate(t_s, gyro.multiplier * rate))
-
-
-class Misfits:
-    """Misfits of one vector under the hypotheses that were tried.
-
-    Attributes
-    ----------
-    vector : Vector
-    length_s : float
-        Length of the windows that tell most about this vector, s.
-    """
-
-    def __init__(self, vector: Vector, worlds: Worlds) -> None:
-        self.vector = vector
-        self.length_s = LENGTHS_S[0]
-        self._worlds = worlds
-        self._found: dict[tuple[Gyro, float], dict[float, Array]] = {}
-        self._shares: dict[tuple[Gyro, float, float], float] = {}
-        self._usual: dict[float, float] = {}
-
-    def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
-        """Try all turns with one gyro and one delay, s."""
-        if (gyro, delay_s) not in self._found:
-            blocks = self.vector.blocks(self._worlds.of(gyro), delay_s)
-            self._found[gyro, delay_s] = {
-                length: fit_turns(blocks.windows(length).gram()[0], self.vector.offset_cost).told
-                for length in LENGTHS_S
-                if blocks.has(length)
-            }
-
-    def screen(self) -> None:
-        """Store how well a usual hypothesis fits, in windows of each length: the median of the first ones."""
-        first = [self._found[gyro, 0.0] for gyro in GYROS]
-        self._usual = {length: float(np.median([found[length] for found in first])) for length in first[0]}
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self._chosen = 0
+        self._found: defaultdict[Gyro, dict[float, Array]] = defaultdict(dict)
 
     @property
-    def lengths_s(self) -> tuple[float, ...]:
-        """Lengths of windows, s, of which there are enough."""
-        return tuple(self._usual)
+    def length_s(self) -> float:
+        """Length of the windows, s, in which the best hypothesis stands out most."""
+        return self.lengths_s[self._chosen]
+
+    def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
+        """Try all turns with one gyro and one delay, s, in windows of each length."""
+        windows = self.windows(gyro, delay_s, *self.lengths_s)
+        self._found[gyro][delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
+
+    @cached_property
+    def _usual(self) -> Array:
+        """How well a usual hypothesis fits, in windows of each length: the median of the first ones."""
+        return np.asarray(np.median([self._found[gyro][0.0] for gyro in GYROS], axis=(0, 2)))
 
     def contrast(self, gyro: Gyro) -> float:
         """How much better than a usual hypothesis a gyro fits at best."""
-        found = [
-            (length, misfit) for (each, _), by in self._found.items() if each == gyro for length, misfit in by.items()
+        return max(float((self._usual / misfits.min(axis=1)).max()) for misfits in self._found[gyro].values())
+
+    def best(self, length: int | None = None) -> tuple[float, Gyro, float, int]:
+        """Least misfit in windows of the chosen length, or of another by its index, with gyro, delay, s, and turn."""
+        which = self._chosen if length is None else length
+        every = [
+            (float(misfits[which].min()), gyro, delay, int(misfits[which].argmin()))
+            for gyro, by_delay in self._found.items()
+            for delay, misfits in by_delay.items()
         ]
-        return max((self._usual[length] / float(misfit.min()) for length, misfit in found), default=1.0)
+        return min(every, key=itemgetter(0))
 
     def choose_length(self) -> None:
         """Choose the windows in which the best hypothesis stands out most, if they leave much of the vector."""
-        bests = []
-        for length, usual in self._usual.items():
-            found = {key: float(by[length].min()) for key, by in self._found.items() if length in by}
-            key = min(found, key=lambda key: found[key])
-            bests.append((usual / found[key], length, key))
-        bests.sort(reverse=True)
-        told = [best for best in bests if self._share_left(*best[2], best[1]) > MIN_SHARE_LEFT]
-        self.length_s = (told or bests)[0][1]
-
-    def _share_left(self, gyro: Gyro, delay_s: float, length_s: float) -> float:
-        """RMS of the window means under the best turn of a hypothesis, as a share of the vector."""
-        key = (gyro, delay_s, length_s)
-        if key not in self._shares:
-            windows = self.vector.blocks(self._worlds.of(gyro), delay_s).windows(length_s)
-            fit = fit_turns(windows.gram()[0], self.vector.offset_cost)
-            best = int(fit.misfit.argmin())
-            vectors = windows.vectors(best, fit.constants[best, 3:])
-            self._shares[key] = float(np.sqrt(np.mean(np.sum(vectors**2, axis=1))))
-        return self._shares[key]
-
-    @property
-    def _chosen(self) -> dict[tuple[Gyro, float], Array]:
-        """Misfits in the windows that tell most."""
-        return {key: by[self.length_s] for key, by in self._found.items() if self.length_s in by}
+        merits = []
+        for i, length_s in enumerate(self.lengths_s):
+            least, gyro, delay_s, turn = self.best(i)
+            means = Fitting(self, turn, delay_s).means(gyro, length_s)
+            merits.append((rms(np.linalg.norm(means, axis=1)) > MIN_SHARE_LEFT, self._usual[i] / least, i))
+        self._chosen = max(merits)[2]
 
     def by_delay(self, gyro: Gyro) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
-        found = {delay: misfits for (each, delay), misfits in self._chosen.items() if each == gyro}
-        delays = np.sort(list(found))
-        return delays, np.array([found[delay] for delay in delays]).reshape(-1, 24)
-
-    def best(self) -> tuple[Gyro, float, int]:
-        """Gyro, delay, s, and turn of the least misfit."""
-        found = self._chosen
-        gyro, delay = min(found, key=lambda key: float(found[key].min()))
-        return gyro, delay, int(found[gyro, delay].argmin())
+        delays = sorted(self._found[gyro])
+        return np.array(delays), np.array([self._found[gyro][delay][self._chosen] for delay in delays])
 
     @property
-    def least(self) -> float:
-        """Least misfit of all."""
-        return min(float(misfits.min()) for misfits in self._chosen.values())
+    def plain(self) -> float:
+        """Misfit without a repair."""
+        return float(self._found[RIGHT][0.0][self._chosen, 0])
+
+    def turns(self, gyro: Gyro) -> Integers:
+        """Turns that are not excluded with a gyro."""
+        return np.flatnonzero(self.by_delay(gyro)[1].min(axis=0) <= EXCLUDED * self.best()[0])
 
     def scan(self, gyro: Gyro) -> None:
-        """Try all delays with a gyro, and twice one between those tried: the vertex of a parabola of the square."""
+        """Try all delays with a gyro, and one near the best of them, where the misfit of its turn is least."""
         for delay in DELAYS_S:
             self.add(gyro, delay)
         self.choose_length()
-        for _ in range(2):
-            delays, misfits = self.by_delay(gyro)
-            place = vertex(delays, misfits[:, misfits.min(axis=0).argmin()] ** 2)
-            if place is not None and np.abs(delays - place).min() > MIN_MOVE_S:
-                self.add(gyro, place)
+        delays, misfits = self.by_delay(gyro)
+        best, turn = divmod(int(misfits.argmin()), len(TURNS))
+        squares = partial(Fitting(self, turn, 0.0).squares, gyro, self.length_s)
+        self.add(gyro, minimum(squares, float(delays[best]), DELAY_STEPS_S[0]).place)
 
 
-def vertex(places: Array, values: Array) -> float | None:
-    """Vertex of the parabola through the least value and its neighbours, to 0.1 ms; None at an end."""
-    i = int(values.argmin())
-    if not 0 < i < len(places) - 1:
-        return None
-    bend, slope, _ = np.polyfit(places[i - 1 : i + 2] - places[i], values[i - 1 : i + 2], 2)
-    return round(float(places[i] - slope / 2.0 / bend), 4) if bend > 0.0 else None
+class Fitting(NamedTuple):
+    """One vector under one gyro.
+
+    Attributes
+    ----------
+    misfits : Misfits
+    turn : int
+        Index in `TURNS`.
+    delay_s : float
+    ratio : float
+        Misfit over the least one of this vector.
+    is_late : bool
+        Whether the delay is a repair.
+    """
+
+    misfits: Misfits
+    turn: int
+    delay_s: float
+    ratio: float = 1.0
+    is_late: bool = False
+
+    @property
+    def sensor(self) -> str:
+        """Sensor of the vector."""
+        return self.misfits.sensor
+
+    def means(self, gyro: Gyro, length_s: float) -> Array:
+        """Mean vectors in the world, as shares of the readings, shape (W, 3)."""
+        (windows,) = self.misfits.windows(gyro, self.delay_s, length_s)
+        column = self.misfits.fit(gram(windows)).column[self.turn]
+        return np.asarray(windows[..., :12] @ column[:12])
+
+    def squares(self, gyro: Gyro, length_s: float, delay_s: float) -> Array:
+        """Squared misfits of the chunks at a delay, with the constants that fit all of them, shape (chunks,)."""
+        (windows,) = self.misfits.windows(gyro, delay_s, length_s)
+        grams = gram(windows, CHUNKS)
+        column = self.misfits.fit(grams).column[self.turn]
+        return np.asarray(grams @ column @ column)
 
 
-def search(found: Sequence[Misfits], more: Iterable[Gyro] = ()) -> None:
+def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:
     """Try every gyro without delay, and the likely ones with all delays.
 
     Parameters
     ----------
     found : sequence of Misfits
         Of each vector.
-    more : iterable of Gyro
-        Gyros that are tried with all delays, beside those of `GYROS`.
+    more : sequence of Gyro
+        Gyros that are tried in place of those of `GYROS`.
     """
-    extra = tuple(more)
-    for gyro, each in product((*GYROS, *extra), found):
+    for gyro, each in product(more or GYROS, found):
         each.add(gyro)
-    for each in found:
-        each.screen()
-    best = dict.fromkeys(found, 0.0)
-    for gyro in extra or _likely(found):
-        hopeless = all(each.contrast(gyro) < best[each] / HOPELESS for each in found)
-        if hopeless and gyro != RIGHT and not extra:
-            continue
-        for each in found:
-            each.scan(gyro)
-            best[each] = max(best[each], each.contrast(gyro))
+    for gyro, each in product(more or _likely(found), found):
+        each.scan(gyro)
     for each in found:
         each.choose_length()
 
 
 def _likely(found: Sequence[Misfits]) -> tuple[Gyro, ...]:
     """The two gyros that fit best all vectors, and each, and the right one."""
-    contrasts = np.log([[each.contrast(gyro) for gyro in GYROS] for each in found])
-    orders = np.argsort(-np.vstack([contrasts.sum(axis=0), contrasts]), axis=1, kind="stable")
-    return tuple(dict.fromkeys([*(GYROS[i] for i in orders[:, :2].ravel()), RIGHT]))
+    best = [
+        nlargest(2, GYROS, key=lambda gyro: float(np.prod([each.contrast(gyro) for each in group])))
+        for group in (found, *([each] for each in found))
+    ]
+    return tuple(dict.fromkeys([*chain(*best), RIGHT]))

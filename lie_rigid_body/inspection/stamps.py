@@ -50,41 +50,38 @@ class Stream:
     def of(cls, sensor: str, t_ns: Integers, readings: Array) -> Stream:
         """Leave out what is not finite."""
         finite = np.isfinite(readings).all(axis=1)
-        return cls(sensor, t_ns, readings) if finite.all() else cls(sensor, t_ns[finite], readings[finite])
+        return cls(sensor, t_ns, readings)[finite]
 
     def __getitem__(self, rows: slice | Booleans) -> Stream:
         return replace(self, t_ns=self.t_ns[rows], readings=self.readings[rows])
 
     @property
     def step_s(self) -> float:
-        """Median time between readings, s, of two readings or more."""
-        return float(np.median(np.diff(self.t_ns))) / 1e9
+        """Median time between readings, s; 0 for less than two."""
+        return float(np.median(np.diff(self.t_ns))) / 1e9 if len(self.t_ns) > 1 else 0.0
 
     def between(self, begin_ns: int, end_ns: int) -> Stream:
         """Readings from one time on and up to another one, ns."""
         first, last = np.searchsorted(self.t_ns, [begin_ns, end_ns + 1])
         return self[slice(first, last)]
 
-    def averaged(self, rate_hz: float) -> tuple[Array, Array]:
-        """Means over as many readings as leave a rate, Hz: times, s, and readings."""
-        seconds = max(float(np.ptp(self.t_ns)) / 1e9, 1e-9)
-        size = max(int(len(self.t_ns) / seconds / rate_hz), 1)
-        count = len(self.t_ns) // size
-        used = count * size
-        origin = self.t_ns[0] if len(self.t_ns) else 0
-        since = (self.t_ns[:used] - origin).reshape(count, size).mean(axis=1) / 1e9
-        return since + origin / 1e9, self.readings[:used].reshape(count, size, 3).mean(axis=1)
+    def averaged(self, rate_hz: float, origin_ns: int) -> tuple[Array, Array]:
+        """Means over as many readings as leave a rate, Hz: times since an origin, s, and readings."""
+        seconds = float(np.ptp(self.t_ns)) / 1e9 if len(self.t_ns) else 0.0
+        size = max(int(len(self.t_ns) / rate_hz / max(seconds, 1e-9)), 1)
+        rows = np.arange(len(self.t_ns) // size * size).reshape(-1, size)
+        return (self.t_ns - origin_ns)[rows].mean(axis=1) / 1e9, self.readings[rows].mean(axis=1)
 
 
-def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found: Findings) -> Integers:
+def checked_stamps(sensor: str, t_ns: Integers, widest_ns: Integers, found: Findings) -> Integers:
     """Stamps that rise evenly where the given ones do not rise; what is wrong with them is told.
 
     Parameters
     ----------
     sensor : str
     t_ns : ndarray of int64, shape (N,)
-    span_ns : tuple of int
-        First and last stamp of the other sensor, over which stamps are spread that are all the same.
+    widest_ns : ndarray of int64
+        Stamps over whose span those are spread that are all the same.
     found : Findings
     """
     fault, kept = _fault_of_stamps(t_ns)
@@ -93,7 +90,7 @@ def checked_stamps(sensor: str, t_ns: Integers, span_ns: tuple[int, int], found:
         return t_ns
     found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
     if len(kept) < 2:
-        return np.linspace(*span_ns, len(t_ns)).astype(np.int64)
+        return np.linspace(widest_ns.min(), widest_ns.max(), len(t_ns)).astype(np.int64)
     line = interp1d(kept, t_ns[kept] - t_ns[kept[0]], fill_value="extrapolate")
     even = np.asarray(t_ns[kept[0]] + np.round(line(np.arange(len(t_ns)))).astype(np.int64))
     firsts, lasts = runs_of(0, ~np.isin(np.arange(len(t_ns)), kept))
@@ -109,10 +106,9 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
         return "are all the same", np.arange(0)
     if (steps < 0).any():
         zeros = int(np.sum(t_ns[1:] == 0))
-        rest = np.flatnonzero(t_ns) if zeros else np.arange(len(t_ns))
-        text = (
-            f"are 0 in {counted(zeros, 'reading')}" if zeros else f"go back {counted(int(np.sum(steps < 0)), 'time')}"
-        )
+        falls = counted(int(np.sum(steps < 0)), "time")
+        rest = np.flatnonzero(t_ns)
+        text = f"are 0 in {counted(zeros, 'reading')}" if zeros else f"go back {falls}"
         return text, rest[longest_rising(t_ns[rest])]
     ends = np.array([0, len(steps)])
     if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
@@ -124,25 +120,24 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
 
 def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     steps = np.diff(t_ns)
-    median = float(np.median(steps))
+    median = np.median(steps)
     before = np.flatnonzero(steps > GAP_STEP * median)
     gaps = steps[before]
     found.marks += [Mark(sensor, "gap", int(t_ns[i]), int(t_ns[i + 1])) for i in before]
     if len(gaps):
-        lost = round(float(np.sum(gaps / median - 1.0)))
+        lost = np.sum(gaps / median - 1.0)
         text = f"{counted(len(gaps), 'gap')} of up to {gaps.max() / 1e9:.3g} s in the {sensor}"
-        found.name("gaps", sensor, f"{text}, in which {counted(lost, 'reading')} are missing")
+        found.name("gaps", sensor, f"{text}: {lost:.0f} readings are missing")
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:
     """Readings without those that are held from the one before, if a slower sensor is on these stamps; that is told."""
     readings = stream.readings
-    held = np.all(readings[1:] == readings[:-1], axis=1)
+    first = np.append(True, np.any(np.diff(readings, axis=0) != 0.0, axis=1))
     moved = np.linalg.norm(readings[HELD_REACH:] - readings[:-HELD_REACH], axis=1)
-    moving = moved > np.quantile(moved, 0.75) / 2.0 if len(moved) else np.zeros(0, dtype=np.bool_)
-    if not moving.any() or held[: len(moved)][moving].mean() <= MIN_HELD:
+    moving = np.flatnonzero(moved > (np.quantile(moved, 0.75) / 2.0 if len(moved) else 0.0))
+    if not len(moving) or first[moving + 1].mean() >= 1.0 - MIN_HELD:
         return stream
-    first = np.concatenate([[True], ~held])
     hold = len(first) / first.sum()
     text = f"a reading of the {stream.sensor} is held over {hold:.3g} stamps on average"
     if hold > MIN_HOLD:
@@ -154,18 +149,12 @@ def fresh(stream: Stream, found: Findings) -> Stream:
 
 def resolution(values: Array) -> float | None:
     """Step of which all values are multiples, apart from an offset; None for continuous ones, or too few."""
-    different = np.unique(values)
-    if len(different) < 3:
+    steps = np.diff(np.unique(values))
+    if len(steps) < 2:
         return None
-    span = different[-1] - different[0]
-    steps = np.diff(different)
-    step = float(steps[steps > span / MAX_GRID_STEPS].min(initial=np.inf))
-    if not np.isfinite(step):
-        return None
-    multiples = steps / step
-    if np.abs(multiples - np.round(multiples)).max() > GRID_TOLERANCE or span / step > MAX_GRID_STEPS:
-        return None
-    return float(span / np.sum(np.round(multiples)))
+    multiples = steps / steps[steps > steps.sum() / MAX_GRID_STEPS].min()
+    whole = np.round(multiples)
+    return None if np.abs(multiples - whole).max() > GRID_TOLERANCE else float(steps.sum() / whole.sum())
 
 
 def clipped_at(values: Array, step: float | None) -> float | None:
@@ -175,8 +164,8 @@ def clipped_at(values: Array, step: float | None) -> float | None:
     is_long = lasts - firsts + 1 >= CLIPPED_READINGS
     if is_long.sum() < 2:
         return None
-    beside = np.concatenate([np.maximum(firsts[is_long] - 1, 0), np.minimum(lasts[is_long] + 1, len(values) - 1)])
-    drop = float(np.median(top - values[beside]))
+    beside = np.append(firsts[is_long] - 1, lasts[is_long] + 1)
+    drop = float(np.median(top - values[np.clip(beside, 0, len(values) - 1)]))
     least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0), ROUND_OFF)
     return float(top) if drop > least else None
 
@@ -199,7 +188,7 @@ def tell_values(stream: Stream, found: Findings) -> None:
     for axis, values, step in zip(AXES, stream.readings.T, steps, strict=True):
         reached = [top for side in (values, -values) if (top := clipped_at(side, step)) is not None]
         text = f"{axis} of the {name} stays at {values[0]:.4g}"
-        if np.ptp(values) <= STUCK_SHARE * span.max() and span.any():
+        if np.ptp(values) < STUCK_SHARE * span.max():
             if _is_noisy(stream.readings):
                 found.name("stuck", name, text)
             else:

@@ -7,207 +7,178 @@ as well. Its mean with a Hann weight, stepped from one window to the next but on
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, NamedTuple
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import interp1d
+from scipy.linalg import block_diag
 
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.inspection.rule import BIAS_COST, BLOCK_S, MAX_STEPS, MIN_MISFIT, MIN_WINDOWS, TURNS
+from lie_rigid_body.inspection.rule import (
+    BIAS_COST,
+    BLOCK_S,
+    LENGTHS_S,
+    MAX_DELAY_S,
+    MAX_STEPS,
+    MIN_LENGTHS,
+    MIN_MISFIT,
+    RIGHT,
+    TURNS,
+    Gyro,
+)
 from lie_rigid_body.lie import quaternion, so3
 
-COLUMNS: Final = 39
-"""Columns of the Gram matrix: 9 of the turn, 27 of its change with a rate bias, 3 of an offset."""
+World: TypeAlias = Any
+"""Interpolation between the readings of a gyro, at ``x``, s, of arrays of shape (3, 6): the rotation from the body to
+the world, and its integral over time, s, which tells how a rate bias turns the world."""
+_FLAT_TURNS: Final = TURNS.reshape(-1, 9)
+OF_TURNS: Final[Array] = np.pad(_FLAT_TURNS, ((0, 0), (0, 30)))
+"""Column of each turn without constants, shape (24, 39): 9 elements of the turn, 3 of an offset of the turned readings,
+27 of the turn's products with a rate bias."""
+OF_CONSTANTS: Final[Array] = np.array(
+    [
+        np.vstack([np.zeros((9, 6)), -block_diag(np.eye(3), np.kron(turn[:, np.newaxis], np.eye(3)))])
+        for turn in _FLAT_TURNS
+    ]
+)
+"""Change of the column of each turn with an offset and a rate bias, rad/s, shape (24, 39, 6)."""
 
 
-@dataclass(frozen=True)
-class World:
-    """Rotation of the body by its gyro, from the first reading on.
+def attitudes(t_s: Array, rate: Array) -> Array:
+    """Attitudes from the first reading on, shape (N, 4), by the mean rate of neighbours, in a scan.
 
-    Attributes
+    Parameters
     ----------
     t_s : ndarray, shape (N,)
         Times of the readings, s, rising.
     rate : ndarray, shape (N, 3)
         Body rate, rad/s.
-    rotation : ndarray, shape (N, 3, 3)
-        From the body to the world.
-    integral : ndarray, shape (N, 3, 3)
-        Integral of the rotation over time, s: how a rate bias turns the world.
     """
-
-    t_s: Array
-    rate: Array
-    rotation: Array
-    integral: Array
-
-    @classmethod
-    def of_rate(cls, t_s: Array, rate: Array) -> World:
-        """Integrate body rates by the mean of neighbours, in a scan that doubles its reach."""
-        steps = np.diff(t_s)[:, np.newaxis]
-        attitude = np.vstack([[0.0, 0.0, 0.0, 1.0], quaternion.exp((rate[1:] + rate[:-1]) / 2.0 * steps)])
-        reach = 1
-        while reach < len(attitude):
-            attitude[reach:] = quaternion.multiply(attitude[:-reach], attitude[reach:])
-            reach *= 2
-        rotation = quaternion.to_matrix(attitude)
-        means = (rotation[1:] + rotation[:-1]) / 2.0
-        integral = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(means * steps[..., np.newaxis], axis=0)])
-        return cls(t_s, rate, rotation, integral)
-
-    def at(self, t_s: Array) -> tuple[Array, Array]:
-        """Rotation and its integral at times within, shape (M, 3, 3) each: to first order from the nearest reading."""
-        after = np.clip(np.searchsorted(self.t_s, t_s), 1, len(self.t_s) - 1)
-        nearest = after - (t_s - self.t_s[after - 1] < self.t_s[after] - t_s)
-        since = (t_s - self.t_s[nearest])[:, np.newaxis]
-        rotation = self.rotation[nearest]
-        moved = rotation + rotation @ so3.hat(self.rate[nearest] * since)
-        return moved, self.integral[nearest] + rotation * since[..., np.newaxis]
+    steps = np.diff(t_s)[:, np.newaxis]
+    attitude = np.vstack([[0.0, 0.0, 0.0, 1.0], quaternion.exp((rate[1:] + rate[:-1]) / 2.0 * steps)])
+    reach = 1  # of the scan, which doubles it
+    while reach < len(attitude):
+        attitude[reach:] = quaternion.multiply(attitude[:-reach], attitude[reach:])
+        reach *= 2
+    return attitude
 
 
-class Windows(NamedTuple):
-    """Hann means over W windows that start half a length apart.
+def integrated(t_s: Array, rate: Array) -> World:
+    """World of a gyro, by its readings as in `attitudes`."""
+    rotation = quaternion.to_matrix(attitudes(t_s, rate))
+    integral = cumulative_trapezoid(rotation, t_s, axis=0, initial=0)
+    return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 
-    Attributes
+
+def gram(windows: Array, chunks: int = 1) -> Array:
+    """Gram matrices of the steps of successive chunks, shape (chunks, 39, 39), whose sum is their mean square.
+
+    Parameters
     ----------
-    products : ndarray, shape (W, 3, 9)
-        Of R_ia u_b, by i and by (a, b): times the elements of a turn P, row by row, they are R P u.
-    rotations, integrals : ndarray, shape (W, 3, 3)
-        Of the rotation, and of its integral, s.
+    windows : ndarray, shape (W, 3, 15)
+    chunks : int
     """
-
-    products: Array
-    rotations: Array
-    integrals: Array
-
-    def vectors(self, turn: int, offset: Array) -> Array:
-        """Mean vectors in the world, shape (W, 3), of a turn by its index and an offset, shape (3,)."""
-        return np.asarray(self.products @ TURNS[turn].ravel() - self.rotations @ offset)
-
-    def gram(self, chunks: int = 1) -> Array:
-        """Gram matrices of the steps of successive chunks, shape (chunks, 39, 39), whose sum is their mean square."""
-        first = np.arange(0, len(self.products) - 2, max((len(self.products) - 2) // MAX_STEPS, 1))
-        second = first + 2
-        means = (self.products[first] + self.products[second]) / 2.0
-        integrals = (self.integrals[second] - self.integrals[first])[:, np.newaxis]
-        by_bias = so3.hat(means.swapaxes(1, 2)) @ integrals
-        steps = np.concatenate(
-            [
-                self.products[second] - self.products[first],
-                by_bias.transpose(0, 2, 1, 3).reshape(len(first), 3, 27),
-                self.rotations[second] - self.rotations[first],
-            ],
-            axis=2,
-        )
-        parts = [part.reshape(-1, COLUMNS) for part in np.array_split(steps, chunks)]
-        # a copy: the product of an array with its own transpose waits for the threads of the library
-        return np.array([part.T @ part.copy() for part in parts]) / len(first)
+    every = max((len(windows) - 2) // MAX_STEPS, 1)
+    before = windows[:-2:every]
+    after = windows[2::every]
+    steps = after - before
+    turned = so3.hat(((after + before) / 2.0)[..., :9].swapaxes(1, 2))
+    by_bias = turned @ steps[:, np.newaxis, :, 12:]
+    columns = np.concatenate([steps[..., :12], by_bias.swapaxes(1, 2).reshape(-1, 3, 27)], axis=2)
+    parts = [part.reshape(-1, 39) for part in np.array_split(columns, chunks)]
+    # a copy: the product of an array with its own transpose waits for the threads of the library
+    return np.array([part.T @ part.copy() for part in parts]) / len(steps)
 
 
-@dataclass(frozen=True)
-class Blocks:
-    """Means over short blocks of the products of readings and rotations.
-
-    Attributes
-    ----------
-    period_s : float
-        Length of a block, s.
-    values : ndarray, shape (M, 45)
-        27 products R_ia u_b, 9 elements of R, 9 of its integral.
-    """
-
-    period_s: float
-    values: Array
-
-    def has(self, length_s: float) -> bool:
-        """Whether there are enough windows of a length, s, and blocks in each."""
-        duration = len(self.values) * self.period_s
-        return length_s >= 2.0 * self.period_s and 2.0 * duration / length_s - 3.0 >= MIN_WINDOWS
-
-    def windows(self, length_s: float) -> Windows:
-        """Hann means over windows of a length, s: each is the sum of a rising and a falling half."""
-        half = round(length_s / self.period_s / 2.0)
-        weights = np.hanning(2 * half + 1)[:-1] / half
-        count = len(self.values) // half
-        halves = self.values[: count * half].reshape(count, half, -1)
-        rising = np.einsum("k,wkc->wc", weights[:half], halves)
-        falling = np.einsum("k,wkc->wc", weights[half:], halves)
-        means = rising[:-1] + falling[1:]
-        return Windows(
-            means[:, :27].reshape(-1, 3, 9), means[:, 27:36].reshape(-1, 3, 3), means[:, 36:].reshape(-1, 3, 3)
-        )
-
-
-@dataclass(frozen=True, eq=False)
 class Vector:
     """Readings of a sensor whose vector is constant in the world.
 
-    Attributes
+    Parameters
     ----------
     sensor : str
     t_s : ndarray, shape (N,)
-    unit : ndarray, shape (N, 3)
-        Readings over their RMS.
-    size : float
-        This RMS.
+    readings : ndarray, shape (N, 3)
     offset_cost : float
         Squared misfit that an offset of 1 costs.
-    """
-
-    sensor: str
-    t_s: Array
-    unit: Array
-    size: float
-    offset_cost: float
-
-    @classmethod
-    def of_readings(cls, sensor: str, t_s: Array, readings: Array, offset_cost: float) -> Vector:
-        """Divide readings by their RMS."""
-        size = float(np.sqrt(np.mean(np.sum(readings**2, axis=1))))
-        return cls(sensor, t_s, readings / size, size, offset_cost)
-
-    def blocks(self, world: World, delay_s: float) -> Blocks:
-        """Blocks of the readings, which were true some time before their stamps, s."""
-        t_s = self.t_s - delay_s
-        inside = (t_s >= world.t_s[0]) & (t_s <= world.t_s[-1])
-        t_s = t_s[inside]
-        period = float(np.ptp(t_s)) / (len(t_s) - 1)
-        size = max(int(BLOCK_S / period), 1)
-        count = len(t_s) // size
-        used = count * size
-        rotation, integral = (each.reshape(count, size, 9) for each in world.at(t_s[:used]))
-        products = rotation.swapaxes(1, 2) @ self.unit[inside][:used].reshape(count, size, 3) / size
-        values = np.concatenate([products.reshape(count, 27), rotation.mean(axis=1), integral.mean(axis=1)], axis=1)
-        return Blocks(size * period, values)
-
-
-def _of_turns() -> Array:
-    """Column of each turn without constants, shape (24, 39)."""
-    columns = np.zeros((len(TURNS), COLUMNS))
-    columns[:, :9] = TURNS.reshape(-1, 9)
-    return columns
-
-
-def _of_constants() -> Array:
-    """Change of the column of each turn with a rate bias and an offset, shape (24, 39, 6)."""
-    changes = np.zeros((len(TURNS), COLUMNS, 6))
-    changes[:, 9:36, :3] = -np.einsum("pa,ij->paij", TURNS.reshape(-1, 9), np.eye(3)).reshape(-1, 27, 3)
-    changes[:, 36:, 3:] = -np.eye(3)
-    return changes
-
-
-OF_TURNS: Final = _of_turns()
-OF_CONSTANTS: Final = _of_constants()
-
-
-class Fit(NamedTuple):
-    """Least misfit of each of K models, and the constants at which it is.
+    world : callable
+        World of a hypothesis about the gyro.
 
     Attributes
     ----------
-    misfit : ndarray, shape (K,)
-    constants : ndarray, shape (K, C)
-    column : ndarray, shape (K, 39)
+    size : float
+        RMS of the readings.
+    unit : ndarray, shape (N, 3)
+        Readings over it.
+    lengths_s : tuple of float
+        Lengths of windows, s, of which there are enough, with readings in each, in the time of the gyro.
+    """
+
+    def __init__(
+        self, sensor: str, t_s: Array, readings: Array, offset_cost: float, world: Callable[[Gyro], World]
+    ) -> None:
+        self.sensor = sensor
+        self.t_s = t_s
+        self.size = rms(np.linalg.norm(readings, axis=1))
+        self.unit = readings / self.size
+        self.offset_cost = offset_cost
+        self.world = world
+        known_s = world(RIGHT).x
+        bounds = [*known_s[[0, -1]], *t_s[:1], *t_s[-1:]]
+        common = min(bounds[1::2]) - max(bounds[::2]) - 2.0 * MAX_DELAY_S
+        step = 2.0 * np.ptp(t_s) / max(len(t_s) - 1, 1)
+        self.lengths_s = tuple(length for length in LENGTHS_S if 0.0 < step <= length <= common / MIN_LENGTHS)
+
+    def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
+        """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
+
+        They are averaged over short blocks first.
+
+        Returns
+        -------
+        list of ndarray, shape (W, 3, 15)
+            For each length: nine products R_ia u_b, by i and by (a, b), which times the elements of a turn P, row by
+            row, are R P u; the rotation R; and its integral.
+        """
+        world = self.world(gyro)
+        t_s = self.t_s - delay_s
+        inside = np.flatnonzero((t_s >= world.x[0]) & (t_s <= world.x[-1]))
+        period = float(np.ptp(t_s[inside])) / (len(inside) - 1)
+        size = max(int(BLOCK_S / period), 1)
+        inside = inside[: len(inside) // size * size]
+        placed = world(t_s[inside]).reshape(-1, size, 3, 6)
+        rotation = placed[..., :3].reshape(-1, size, 9)
+        products = rotation.swapaxes(1, 2) @ self.unit[inside].reshape(-1, size, 3) / size
+        blocks = np.concatenate([products.reshape(-1, 3, 9), placed.mean(axis=1)], axis=2)
+        found = []
+        for length_s in lengths_s:
+            half = round(length_s / (size * period) / 2.0)
+            views = sliding_window_view(blocks, 2 * half, axis=0)[::half]
+            found.append(views @ (np.hanning(2 * half + 1)[:-1] / half))
+        return found
+
+    def fit(self, grams: Array) -> Fit:
+        """Fit every turn to the Gram matrices of chunks, each with its own offset and rate bias."""
+        return least_misfit(grams.sum(axis=0), OF_TURNS, OF_CONSTANTS, self.costs)
+
+    @property
+    def costs(self) -> Array:
+        """Squared misfits that offsets of 1 and rate biases of 1 rad/s cost, shape (6,)."""
+        return np.repeat([self.offset_cost, BIAS_COST], 3)
+
+
+class Fit(NamedTuple):
+    """Least misfit of models, and the constants at which it is.
+
+    Attributes
+    ----------
+    misfit : ndarray, shape (...)
+        Not below `MIN_MISFIT`: smaller ones are not told apart.
+    constants : ndarray, shape (..., C)
+    column : ndarray, shape (..., 39)
         Combination of the columns of the Gram matrix that is the misfit.
     """
 
@@ -215,36 +186,22 @@ class Fit(NamedTuple):
     constants: Array
     column: Array
 
-    @property
-    def told(self) -> Array:
-        """Misfits that are told apart: not below `MIN_MISFIT`."""
-        return np.maximum(self.misfit, MIN_MISFIT)
 
-
-def least_misfit(gram: Array, start: Array, changes: Array, costs: Array) -> Fit:
+def least_misfit(total: Array, start: Array, changes: Array, costs: Array) -> Fit:
     """Least squares of columns, start + changes · constants, in which each constant has a cost.
 
     Parameters
     ----------
-    gram : ndarray, shape (39, 39)
-    start : ndarray, shape (K, 39)
-    changes : ndarray, shape (K, 39, C)
+    total : ndarray, shape (39, 39)
+        Gram matrix.
+    start : ndarray, shape (..., 39)
+    changes : ndarray, shape (..., 39, C)
     costs : ndarray, shape (C,)
         Squared misfit that a constant of 1 costs.
     """
-    normal = changes.swapaxes(1, 2) @ gram @ changes + np.diag(costs)
-    right = np.einsum("kci,cd,kd->ki", changes, gram, start)
-    constants = -np.linalg.solve(normal, right[..., np.newaxis])[..., 0]
-    column = start + np.einsum("kci,ki->kc", changes, constants)
-    squared = np.einsum("kc,cd,kd->k", column, gram, column) + constants**2 @ costs
-    return Fit(np.sqrt(np.maximum(squared, 0.0)), constants, column)
-
-
-def costs_of(offset_cost: float) -> Array:
-    """Costs of a rate bias and an offset, shape (6,)."""
-    return np.repeat([BIAS_COST, offset_cost], 3)
-
-
-def fit_turns(gram: Array, offset_cost: float) -> Fit:
-    """Fit every turn, each with its own rate bias, rad/s, and offset of the turned readings, shape (24, 6)."""
-    return least_misfit(gram, OF_TURNS, OF_CONSTANTS, costs_of(offset_cost))
+    normal = changes.swapaxes(-1, -2) @ total
+    constants = -np.linalg.solve(normal @ changes + np.diag(costs), normal @ start[..., np.newaxis])
+    column = start + (changes @ constants)[..., 0]
+    constants = constants[..., 0]
+    squared = np.sum(column @ total * column, axis=-1) + constants**2 @ costs
+    return Fit(np.sqrt(np.maximum(squared, MIN_MISFIT**2)), constants, column)

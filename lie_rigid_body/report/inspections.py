@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from lie_rigid_body.estimates.programs import lines_of
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.inspection import Estimated, Inspection
 from lie_rigid_body.inspection.findings import HOW
-from lie_rigid_body.inspection.inspection import READINGS, sensor_key
+from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
@@ -151,18 +151,19 @@ def _draw_readings(found: Inspection, width: float) -> Figure:
     from matplotlib.figure import Figure
     from matplotlib.patches import Rectangle
 
-    there = [sensor for sensor in _UNITS if sensor_key(sensor) in found.run.sensors]
-    there = [sensor for sensor in there if _readings(found.run, sensor) is not None]
+    given = [(sensor, *_readings(found, found.run, sensor)) for sensor in _UNITS]
+    there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
+    begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
     figure = Figure(figsize=(width, 1.0 + 1.9 * len(there)), layout="constrained")
-    begin_ns = min(int(found.run.sensors[sensor_key(sensor)].t_ns.min()) for sensor in there)
-    for sensor, axes in zip(there, np.ravel(figure.subplots(len(there), sharex=True)), strict=True):
-        t_s = (found.stamps[sensor_key(sensor)] - begin_ns) / 1e9 if sensor_key(sensor) in found.stamps else None
-        _draw_axes(axes, t_s, _readings(found.run, sensor))
+    for (sensor, key, t_ns, readings), axes in zip(
+        there, np.ravel(figure.subplots(len(there), sharex=True)), strict=True
+    ):
+        _draw_axes(axes, (t_ns - begin_ns) / 1e9, readings)
         for mark in found.marks:
-            if mark.sensor in (sensor, sensor_key(sensor), ""):
+            if mark.sensor in (sensor, key, ""):
                 colour, alpha, _ = _SHADES.get(mark.text, _BROKEN)
                 axes.axvspan(*((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns)), color=colour, alpha=alpha)
-        codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, sensor_key(sensor))]
+        codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
         axes.set_ylabel(f"{sensor} [{'?' if f'{sensor}_units' in codes else _UNITS[sensor]}]")
         axes.set_title(", ".join(codes), loc="left", fontsize=9, color=RED)
         axes.grid(alpha=0.3)
@@ -178,17 +179,18 @@ def _draw_readings(found: Inspection, width: float) -> Figure:
     return figure
 
 
-def _readings(run: Run, sensor: str) -> Array | None:
-    values: Array | None = getattr(run.sensors[sensor_key(sensor)], READINGS[sensor])
-    return values
+def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, Any]:
+    """Key of a sensor, its repaired stamps, ns, or numbers where no stamps tell a time, and its readings or None."""
+    key, array = READINGS[sensor]
+    readings = getattr(run.sensors.get(key), array, None)
+    return key, found.stamps.get(key, np.arange(0 if readings is None else len(readings))), readings
 
 
-def _draw_axes(axes: Axes, t_s: Array | None, readings: Array | None) -> None:
-    assert readings is not None
-    times = np.arange(len(readings), dtype=np.float64) if t_s is None else t_s
+def _draw_axes(axes: Axes, t_s: Array, readings: Array) -> None:
+    """Draw the three components of readings."""
     for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
-        kept = extremes(times, values, 1000)
-        axes.plot(times[kept], values[kept], color=colour, lw=0.8, label=name)
+        kept = extremes(t_s, values, 1000)
+        axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
     axes.margins(x=0.0)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
 
@@ -209,10 +211,9 @@ def _draw_allan(found: Inspection, width: float) -> Figure:
     figure, panels = _side_by_side(width, len(told))
     repaired = found.repaired()
     for sensor, axes in zip(told, panels, strict=True):
-        arrays = repaired.sensors[sensor_key(sensor)]
-        still = (found.stamps[sensor_key(sensor)] >= rest.begin_ns) & (found.stamps[sensor_key(sensor)] <= rest.end_ns)
-        readings = getattr(arrays, READINGS[sensor])[still]
-        measured = allan(readings, float(np.median(np.diff(arrays.t_ns))) / 1e9)
+        _, t_ns, readings = _readings(found, repaired, sensor)
+        still = (t_ns >= rest.begin_ns) & (t_ns <= rest.end_ns)
+        measured = allan(readings[still], float(np.median(np.diff(t_ns))) / 1e9)
         fitted = density(measured)
         axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
         model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
@@ -226,7 +227,7 @@ def _draw_allan(found: Inspection, width: float) -> Figure:
 
 def _draw_field(found: Inspection, width: float) -> Figure:
     """Readings of the magnetometer on each pair of axes, before and after hard and soft iron are taken off."""
-    field = np.asarray(_readings(found.repaired(), "magnetometer"))
+    *_, field = _readings(found, found.repaired(), "magnetometer")
     iron = np.asarray(found.sensors["magnetometer_hard_iron"].value)
     soft = found.sensors.get("magnetometer_soft_iron")
     matrix = np.eye(3) if soft is None else np.linalg.inv(np.reshape(soft.value, (3, 3)))

@@ -14,7 +14,7 @@ from lie_rigid_body.evaluation.arguments import integer_stamps, numbers
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.recording.logs import Log, Vectors
+from lie_rigid_body.recording.logs import Log, Vectors, require_overlap
 from lie_rigid_body.recording.poses import stamped_poses
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.scenario import Scenario
@@ -32,19 +32,18 @@ def log_of_arrays(t_ns: ArrayLike, gyro: ArrayLike, specific_force: ArrayLike, m
     InputError
         If shapes or types are not those, or a reading is not finite.
     """
-    stamps = integer_stamps("t_ns", t_ns)
     own_clock = isinstance(magnetic_field, tuple) and len(magnetic_field) == 2
-    field_ns, field = magnetic_field if own_clock else (stamps, magnetic_field)
+    field_ns, field = magnetic_field if own_clock else (t_ns, magnetic_field)
     return Log(
         "arrays",
-        _vectors("gyro", stamps, gyro),
-        _vectors("specific_force", stamps, specific_force),
+        _vectors("gyro", t_ns, gyro),
+        _vectors("specific_force", t_ns, specific_force),
         None if field is None else _vectors("magnetic_field", field_ns, field),
     )
 
 
 def _vectors(name: str, t_ns: ArrayLike, values: ArrayLike) -> Vectors:
-    stamps = integer_stamps(name, t_ns)
+    stamps = integer_stamps(f"t_ns of {name}", t_ns)
     if stamps.ndim != 1 or not len(stamps):
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
     return Vectors(stamps, numbers(name, values, len(stamps), 3, whole=True), name)
@@ -72,28 +71,23 @@ def truth_of(log: Log, given: GivenTruth) -> SampledTruth | None:
     """The truth as it is given; attitudes of NaN, where cameras lost the body, are gaps of it."""
     if given is None:
         return None
-    if isinstance(given, SampledTruth):
-        given = given.stamps_ns, given.at(given.stamps_ns)
     if isinstance(given, str | Path):
         is_file = Path(given).exists()
         if not is_file and log.gyro.arrival_ns is None:
             raise InputError(f"truth {given} is no file, and {log.name} no bag with topics: give its path")
         times, poses = stamped_poses(given if is_file else log.name, None if is_file else f"{given}")
         given = times, poses[:, 3:]
-    if not isinstance(given, tuple) or len(given) != 2:
+    known = given
+    if isinstance(given, tuple) and len(given) == 2:
+        stamps, attitude = map(np.asarray, given)
+        if attitude.shape == (*stamps.shape, 4) and attitude.dtype.kind == "f":
+            seen = ~np.isnan(attitude).all(axis=-1)
+            stamps = stamps[seen]
+            attitude = attitude[seen]
+        known = SampledTruth(stamps, attitude)
+    if not isinstance(known, SampledTruth):
         raise InputError("truth: give (t_ns, attitude_xyzw), a SampledTruth, a file, or a topic of the log")
-    stamps = np.asarray(given[0])
-    attitude = np.asarray(given[1])
-    if attitude.ndim == 2 and stamps.shape == attitude.shape[:1] and attitude.dtype.kind == "f":
-        seen = ~np.isnan(attitude).all(axis=1)
-        stamps, attitude = stamps[seen], attitude[seen]
-    known = SampledTruth(stamps, attitude)
-    ends = [known.first_ns, known.last_ns, int(log.gyro.t_ns.min()), int(log.gyro.t_ns.max())]
-    if ends[1] < ends[2] or ends[0] > ends[3]:
-        told = "the truth from {:.9g} to {:.9g} s, the log from {:.9g} to {:.9g} s".format(
-            *(each / NS for each in ends)
-        )
-        raise InputError(f"{log.name}: truth and log do not overlap in time, {told}: bring them to one clock")
+    require_overlap(log.name, {"truth": known.stamps_ns, "log": log.gyro.t_ns}, "bring them to one clock")
     return known
 
 

@@ -168,3 +168,14 @@ def test_a_magnetometer_of_another_clock_is_named_and_moved(hand: Run) -> None:
     found = inspect(changed(hand, field_ns=mag.t_ns + 10**18))
     assert codes(found) == ["stamps"]
     assert np.abs(magnetometer_of(found.repaired()).t_ns - mag.t_ns).max() < 10e6
+
+
+def test_a_gyro_alone_and_a_few_slow_readings_are_not_compared(hand: Run) -> None:
+    imu = hand.imu
+    readings = {**imu.arrays, "specific_force": None}
+    found = inspect(replace(hand, sensors={"imu": SensorArrays(imu.t_ns, imu.arrival_ns, readings)}))
+    assert found.passed
+    assert np.array_equal(found.repaired().imu.gyro, imu.gyro)
+    t_ns = np.arange(16) * 500_000_000
+    slow = Run.from_arrays(t_ns, hand.imu.gyro[:16], hand.imu.specific_force[:16])
+    assert [each.code for each in inspect(slow).undecided] == ["accelerometer_axes"]

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.inspection.constants import newton
-from lie_rigid_body.inspection.explanations import axes_repairs
+from lie_rigid_body.inspection.explanations import axes_of, axes_repairs
+from lie_rigid_body.inspection.minimum import minimum
 from lie_rigid_body.inspection.noise import allan, density
-from lie_rigid_body.inspection.rule import TURNS
-from lie_rigid_body.inspection.search import vertex
-from lie_rigid_body.inspection.world import Vector, World, fit_turns
+from lie_rigid_body.inspection.rule import RIGHT, TURNS
+from lie_rigid_body.inspection.world import Vector, gram, integrated
 
 T_S = np.arange(6000) / 100.0
 RATE = np.stack([np.sin(0.7 * T_S), 1.3 * np.cos(1.1 * T_S), 0.8 * np.sin(0.4 * T_S + 1.0)], axis=1)
@@ -43,39 +42,38 @@ def readings() -> np.ndarray:
 @pytest.mark.parametrize("bias", [0.0, 0.01])
 def test_the_turn_bias_and_offset_put_in_are_those_that_fit(readings: np.ndarray, turn: int, bias: float) -> None:
     offset = np.array([0.1, 0.2, -0.1])
-    world = World.of_rate(T_S, RATE + bias)
-    vector = Vector.of_readings("magnetometer", T_S, readings @ TURNS[turn] + offset, 0.0)
-    fit = fit_turns(vector.blocks(world, 0.0).windows(2.0).gram()[0], 0.0)
+    vector = Vector("magnetometer", T_S, readings @ TURNS[turn] + offset, 0.0, lambda _: integrated(T_S, RATE + bias))
+    (windows,) = vector.windows(RIGHT, 0.0, 2.0)
+    fit = vector.fit(gram(windows))
     assert fit.misfit.argmin() == turn
     assert fit.misfit[turn] < 0.005
     assert np.sort(fit.misfit)[1] > 0.1
-    assert np.allclose(TURNS[turn].T @ fit.constants[turn, 3:] * vector.size, offset, atol=0.003)
-    assert np.allclose(fit.constants[turn, :3], -bias, atol=0.0015)
+    assert np.allclose(TURNS[turn].T @ fit.constants[turn, :3] * vector.size, offset, atol=0.003)
+    assert np.allclose(fit.constants[turn, 3:], -bias, atol=0.0015)
 
 
 def test_chunks_add_up_to_the_whole(readings: np.ndarray) -> None:
-    blocks = Vector.of_readings("magnetometer", T_S, readings, 0.0).blocks(World.of_rate(T_S, RATE), 0.0)
-    windows = blocks.windows(2.0)
-    assert np.allclose(windows.gram(7).sum(axis=0), windows.gram()[0], rtol=1e-12, atol=1e-12)
+    vector = Vector("magnetometer", T_S, readings, 0.0, lambda _: integrated(T_S, RATE))
+    (windows,) = vector.windows(RIGHT, 0.0, 2.0)
+    assert np.allclose(gram(windows, 7).sum(axis=0), gram(windows)[0], rtol=1e-12, atol=1e-12)
 
 
 def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
     """Each of three frames may be that of all: with equal turns of both vectors the gyro alone is wrong."""
-    repairs = axes_repairs(["accelerometer", "magnetometer"], 1, 5, [5, 5])
+    turns = {"accelerometer": 5, "magnetometer": 5}
+    repairs = axes_repairs(axes_of(1, 5, turns))
     assert [repair.code for repair in repairs] == ["gyro_axes"]
-    assert [repair.code for repair in axes_repairs(["accelerometer", "magnetometer"], 1, 0, [5, 5])] == [
+    assert [repair.code for repair in axes_repairs(axes_of(1, 0, turns))] == [
         "accelerometer_axes",
         "magnetometer_axes",
     ]
 
 
 def test_newton_finds_the_minimum_of_a_parabola() -> None:
-    places = np.array([-1.0, 0.0, 1.0])
-    squares = [(place - 0.3) ** 2 * np.array([1.0, 1.0, 1.0]) + 1.0 for place in places]
-    found = newton(*squares)
-    assert found.step == pytest.approx(0.3)
+    found = minimum(lambda place: (place - 0.3) ** 2 * np.ones(3) + 1.0, 0.0, 1.0)
+    assert found.place == pytest.approx(0.3)
     assert found.sigma == pytest.approx(0.0, abs=1e-12)
-    assert vertex(places, (places - 0.3) ** 2) == pytest.approx(0.3)
+    assert found.slope == pytest.approx(np.sqrt(3.0))
 
 
 def test_the_allan_variance_is_that_of_allantools() -> None:

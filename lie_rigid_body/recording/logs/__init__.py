@@ -10,6 +10,6 @@
 """
 
 from lie_rigid_body.recording.logs.bags import Vectors
-from lie_rigid_body.recording.logs.log import Log, read_log
+from lie_rigid_body.recording.logs.log import Log, read_log, require_overlap
 
-__all__ = ["Log", "Vectors", "read_log"]
+__all__ = ["Log", "Vectors", "read_log", "require_overlap"]

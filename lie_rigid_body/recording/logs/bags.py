@@ -91,37 +91,32 @@ def _chosen(path: Path, contents: McapContents, kind: str, option: str, given: s
     """The topic of a type that is given, or the only one; None where no magnetometer is there."""
     tracks = [track for track in contents.tracks.values() if track.count and not track.topic.endswith(_TRUE)]
     alike = {track.topic: track for track in tracks if track.message_type == kind}
-    if given is not None and given not in alike:
-        there = listed([*alike]) or "none"
-        raise BagError(f"{path} has no messages of {kind} on {shown(given)}: topics of that type are {there}")
-    if given is None and len(alike) > 1:
-        raise BagError(f"{path} has several topics of {kind}, {listed([*alike])}: choose one by {option}")
-    if not alike and kind == IMU:
-        there = listed([f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
-        raise BagError(f"{path} has no messages of {kind}, but {there}: record the IMU")
-    return alike.get(given) if given is not None else next(iter(alike.values()), None)
+    wanted = [*alike] if given is None else [given]
+    if len(wanted) == 1 and wanted[0] in alike:
+        return alike[wanted[0]]
+    if not wanted and kind != IMU:
+        return None
+    there = listed([*alike] or [f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
+    remedy = f"choose one by {option}" if alike else "record one"
+    asked = "" if given is None else f", and none is {shown(given)}"
+    raise BagError(f"{path} has {len(alike)} topics of {kind}: there is {there}{asked}: {remedy}")
 
 
 def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[str, Vectors]]:
     """The sensors on a topic, and their readings."""
     where = places(track.message_type)
     fields = _FIELDS[track.message_type]
-    parts = list[tuple[Integers, Integers, dict[str, Array]]]()
-    for logged_ns, decoded in stamped_numbers(path, contents, track):
-        assert decoded.stamps_ns is not None
-        of_part = {
-            sensor: decoded.numbers[:, [*where[field], *where[f"{field}_covariance"][::4]]]
-            for sensor, field in fields.items()
-        }
-        parts.append((decoded.stamps_ns, logged_ns, of_part))
-    t_ns, logged_ns = (np.concatenate(each) for each in list(zip(*parts, strict=True))[:2])
-    for sensor, field in fields.items():
-        numbers = np.concatenate([of_part[sensor] for *_, of_part in parts])
-        values, variance = np.hsplit(numbers, 2)
+    columns = [[*where[field], *where[f"{field}_covariance"][::4]] for field in fields.values()]
+    parts = [
+        (decoded.stamps_ns, logged_ns, decoded.numbers[:, columns])
+        for logged_ns, decoded in stamped_numbers(path, contents, track)
+    ]
+    t_ns, logged_ns, numbers = (np.concatenate(each) for each in zip(*parts, strict=True))
+    for i, (sensor, field) in enumerate(fields.items()):
+        values, variance = np.hsplit(numbers[:, i], 2)
         if (variance[:, 0] == NOT_GIVEN).all():
             continue
         if len(bad := np.flatnonzero(~np.isfinite(values).all(axis=1))):
             told = f"message {bad[0] + 1} on {track.topic} has a {field} that is not finite, of {len(bad)} such"
             raise InputError(f"{path}: {told}: leave them out")
-        source = f"{track.topic} {field}"
-        yield sensor, Vectors(t_ns, values, source, logged_ns, variance if variance.any() else None)
+        yield sensor, Vectors(t_ns, values, f"{track.topic} {field}", logged_ns, variance if variance.any() else None)

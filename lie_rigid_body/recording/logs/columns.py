@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown, suggestion
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors
-from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, Heading, sensor_of, unit_key
-from lie_rigid_body.recording.logs.sources import sources_of
+from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, heading, sensor_of, unit_key
+from lie_rigid_body.recording.logs.sources import lines_of, sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
-from lie_rigid_body.recording.logs.times import Clock, share_that_rises
-from lie_rigid_body.system.bounded_input import real
+from lie_rigid_body.recording.logs.times import MISSING, clock_of, share_that_rises
 
 FIELDS: Final = ("t", *(f"{sensor}_{axis}" for sensor in (GYRO, ACCELEROMETER, MAGNETOMETER) for axis in "xyz"))
 """Names by which columns are given."""
+_FIRST_ROWS: Final = 1000
+"""Rows by which columns of time are known."""
 _GIVEN: Final = "given"
 """Word of the headings of columns that the user names."""
 _WITHOUT_GRAVITY: Final = {"linear", "user", "free", "without"}
@@ -58,29 +59,27 @@ class Triple:
     @property
     def name(self) -> str:
         """Its columns, for sentences."""
-        return ", ".join(self.table.headings[column].text for column in self.columns) + f" of {self.table.name}"
+        return ", ".join(self.table.headings[column].text for column in self.columns) + f" of {self.table.source.name}"
 
-    def factors(self) -> tuple[Array, str]:
-        """Factors of the axes to SI units, shape (3,), and words about the units."""
+    def factor(self) -> tuple[float, str]:
+        """Factor of the axes to SI units, and words about the unit."""
         known = UNITS[self.sensor]
         program, of_program = self.table.program
         heads = [self.table.headings[column] for column in self.columns]
-        units = [head.unit or of_program.get(self.sensor, "") for head in heads]
-        factors = self.sign * np.array([known.get(unit_key(unit), 1.0) for unit in units])
-        unit = units[0]
-        si = SI[self.sensor]
-        if len({*units}) > 1:
-            raise InputError(f"{self.name} have the units {listed([*map(shown, units)])}: give one to all three axes")
-        if not unit:
-            told = f"taken as {si}, as no unit is given"
-        elif unit_key(unit) in known:
-            told = f"in {unit}{'' if heads[0].unit else f', the unit of {program}'}"
-            told += "" if abs(factors[0]) == 1.0 else f", converted to {si}"
-        elif _GIVEN in heads[0].words:
+        given = {head.unit: None for head in heads}
+        if len(given) > 1:
+            raise InputError(f"{self.name} have the units {listed([*map(shown, given)])}: give one to all three axes")
+        unit = heads[0].unit or of_program.get(self.sensor, "")
+        factor = known.get(unit_key(unit), 0.0)
+        told = f"taken as {SI[self.sensor]}, as {f'{shown(unit)} is no known unit' if unit else 'no unit is given'}"
+        if unit and not factor and _GIVEN in heads[0].words:
             raise InputError(f"columns: {shown(unit)} is no unit of a {self.sensor}: give {listed([*known])}")
-        else:
-            told = f"taken as {si}, as {shown(unit)} is no known unit"
-        return factors, told + (", with the sign turned, as the program writes the opposite" if self.sign < 0 else "")
+        if factor:
+            told = f"in {unit}{'' if heads[0].unit else f', the unit of {program}'}"
+            told += "" if factor == 1.0 else f", converted to {SI[self.sensor]}"
+        if self.sign < 0.0:
+            told += ", with the sign turned, as the program writes the opposite"
+        return self.sign * (factor or 1.0), told
 
 
 def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str, Vectors], list[str]]:
@@ -93,10 +92,10 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
     """
     tables = [table for source in sources_of(path) if (table := read_table(source)) is not None]
     if not tables:
-        lines = (line for source in sources_of(path) for line in source.lines() if line.strip())
+        lines = (line for source in sources_of(path) for line in lines_of(source) if line.strip())
         begins = next((f"begins {shown(line)}" for line in lines), "is empty")
         raise InputError(f"{path} has no row of numbers, it {begins}: give a CSV of readings, or a bag")
-    tables = _named(tables, columns)
+    _name_columns(tables, columns)
     triples = [triple for table in tables for triple in _triples(table)]
     has_gravity = any(triple.sensor == GRAVITY for triple in triples)
     found = dict[str, list[Triple]]()
@@ -107,15 +106,12 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
         raise InputError(f"{path} has no gyro, but {there}: name its columns, such as t=1, gyro_x=2:deg/s")
     lacks = ACCELEROMETER in found and found[ACCELEROMETER][0].without_gravity
     chosen = {sensor: alike[0] for sensor, alike in found.items() if sensor != GRAVITY or lacks}
-    read = dict[str, Vectors]()
-    taken = list[str]()
-    for table in tables:
-        own = [triple for triple in chosen.values() if triple.table is table]
-        read |= _read(table, own, taken) if own else {}
-    for sensor, (_, *others) in found.items():
-        if others and sensor in chosen:
-            names = listed([each.name for each in others])
-            taken.append(f"The {sensor} is not {names}: name its columns to choose another.")
+    read_one = {sensor: _read(triple) for sensor, triple in chosen.items()}
+    read = {sensor: vectors for sensor, (vectors, _) in read_one.items()}
+    taken = [*dict.fromkeys(told for _, sentences in read_one.values() for told in sentences)]
+    for sensor in chosen:
+        if others := listed([each.name for each in found[sensor][1:]]):
+            taken.append(f"The {sensor} is not {others}: name its columns to choose another.")
     if lacks:
         added = ", which is added" if GRAVITY in read else ""
         taken.append(f"{chosen[ACCELEROMETER].name} is without gravity{added}.")
@@ -125,34 +121,28 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
     return read, taken
 
 
-def _named(tables: list[TextTable], columns: Mapping[str, str | int]) -> list[TextTable]:
-    """Tables in which the columns that the user names have the headings of their fields."""
-    given = [list(table.headings) for table in tables]
+def _name_columns(tables: list[TextTable], columns: Mapping[str, str | int]) -> None:
+    """Give the columns that the user names the headings of their fields."""
     for field, name in columns.items():
         if field not in FIELDS:
             raise InputError(f"columns: no field {shown(field)}: {suggestion(f'{field}', FIELDS, 'fields')}")
-        places = [(own, *place) for own, table in zip(given, tables, strict=True) if (place := _find(table, f"{name}"))]
+        places = [(table, *place) for table in tables if (place := _find(table, f"{name}"))]
         if not places or (len(tables) > 1 and f"{name}".partition(":")[0].isdecimal()):
             texts = [head.text for table in tables for head in table.headings]
             raise InputError(f"columns: no column {shown(name)}: {suggestion(f'{name}', texts, 'columns')}")
-        sensor, _, axis = field.partition("_")
-        for own, column, unit in places:
-            head = own[column]
-            own[column] = Heading(
-                head.text, (_GIVEN, sensor if axis else TIME), "xyz".index(axis) if axis else None, unit or head.unit
-            )
-    return [replace(table, headings=tuple(own)) for table, own in zip(tables, given, strict=True)]
+        for table, column, unit in places:
+            head = table.headings[column]
+            given = heading(f"{_GIVEN} {'time' if field == 't' else field} ({unit or head.unit})")
+            table.headings[column] = replace(given, text=head.text)
 
 
 def _find(table: TextTable, name: str) -> tuple[int, str] | None:
     """The column with a header, or of a number from 1 on, and the unit that is given behind it."""
-    texts = [head.text for head in table.headings]
-    numbers = [f"{i}" for i in range(1, len(texts) + 1)]
-    for text, unit in ((name, ""), name.rpartition(":")[::2]):
-        for names in (texts, numbers):
-            if text in names:
-                return names.index(text), unit
-    return None
+    places = {f"{i}": i - 1 for i in range(1, len(table.headings) + 1)}
+    places |= {head.text: i for i, head in enumerate(table.headings)}
+    return next(
+        ((places[text], unit) for text, unit in ((name, ""), name.rpartition(":")[::2]) if text in places), None
+    )
 
 
 def _triples(table: TextTable) -> Iterator[Triple]:
@@ -178,73 +168,41 @@ def _triples(table: TextTable) -> Iterator[Triple]:
         yield Triple(table, sensor, columns, rank, is_free, -1.0 if is_opposite else 1.0)
 
 
-def _read(table: TextTable, triples: Sequence[Triple], taken: list[str]) -> dict[str, Vectors]:
-    """The readings of the triples of a table, which is read in one pass."""
-    first = table.first_rows()
-    times = {triple.sensor: _time_of(table, triple.sensor, first) for triple in triples}
-    of_program = table.program[1].get(TIME, "")
-    clocks = {
-        column: Clock(table.headings[column], [row[column] for row in first], of_program, table.source.name)
-        for column in times.values()
-    }
-    kept = sorted({column for triple in triples for column in triple.columns})
-    parts = list[tuple[Integers, Array, dict[int, Integers]]]()
-    for lines, rows in table.blocks():
-        columns = [*zip(*rows, strict=False)]
-
-        def refuse(row: int, what: str, lines: Sequence[int] = lines) -> InputError:
-            return InputError(f"{table.source.name}, line {lines[row]}: {what}: correct or remove the row")
-
-        numbers = np.column_stack([_numbers(columns[column], refuse) for column in kept])
-        stamps = {column: clock.at(columns[column], refuse) for column, clock in clocks.items()}
-        parts.append((np.array(lines), numbers, stamps))
-    numbers_of_lines = np.concatenate([each for each, _, _ in parts])
-    values = np.concatenate([each for _, each, _ in parts])
-    found = dict[str, Vectors]()
-    for triple in triples:
-        clock = clocks[times[triple.sensor]]
-        t_ns = np.concatenate([each[times[triple.sensor]] for _, _, each in parts])
-        own = values[:, [kept.index(column) for column in triple.columns]]
-        there = ~np.isnan(own).all(axis=1)
-        faulty = there & (np.isnan(own).any(axis=1) | (t_ns == clock.MISSING))
-        if faulty.any() or not there.any():
-            told = f", line {numbers_of_lines[faulty][0]}: an empty cell" if faulty.any() else " has no row"
-            raise InputError(f"{table.source.name}{told} of the {triple.sensor} or of its time: complete it")
-        factors, told = triple.factors()
-        t_ns, of_time = clock.unwrapped(t_ns[there])
-        found[triple.sensor] = Vectors(t_ns, own[there] * factors, triple.name)
-        taken += [f"The {triple.sensor} is {triple.name}, {told}."]
-        of_time = f"The time is {clock.head.text} of {table.name}, {of_time}."
-        taken += [of_time] if of_time not in taken else []
-    return found
-
-
-def _numbers(cells: Sequence[str], refuse: Callable[[int, str], InputError]) -> Array:
-    """Numbers of a column, NaN for an empty cell."""
-    try:
-        found = np.array([float(cell) for cell in cells])
-        if np.isfinite(found).all() and "_" not in "".join(cells):
-            return found
-    except ValueError:  # a cell is empty, has a decimal comma, or is no number
-        pass
-    found = np.full(len(cells), np.nan)
-    for row, cell in enumerate(cells):
-        if cell:
-            try:
-                found[row] = real(cell.replace(",", "."))
-            except ValueError:
-                raise refuse(row, f"{shown(cell)} is no number") from None
-            if not abs(found[row]) < np.inf:
-                raise refuse(row, f"{shown(cell)} is not finite")
-    return found
+def _read(triple: Triple) -> tuple[Vectors, list[str]]:
+    """The readings of a triple, and sentences about its unit and its time."""
+    table = triple.table
+    first = [cells for _, cells in islice(table.rows(), _FIRST_ROWS)]
+    column = _time_of(table, triple.sensor, first)
+    head = table.headings[column]
+    clock = clock_of(head, [row[column] for row in first], table.program[1].get(TIME, ""))
+    if clock is None:
+        remedy = f"name another column, or its unit, such as t={head.text}:ms"
+        raise InputError(f"{table.source}: size and steps of {shown(head.text)} are those of no time: {remedy}")
+    lines, t_ns, values = table.read(column, clock.read, triple.columns)
+    there = ~np.isnan(values).all(axis=1)
+    faulty = there & (np.isnan(values).any(axis=1) | (t_ns == MISSING))
+    if faulty.any() or not there.any():
+        told = f", line {lines[faulty][0]}: an empty cell" if faulty.any() else " has no row"
+        raise InputError(f"{table.source}{told} of the {triple.sensor} or of its time: complete it")
+    factor, of_unit = triple.factor()
+    t_ns, of_time = clock.unwrapped(t_ns[there])
+    sentences = [
+        f"The {triple.sensor} is {triple.name}, {of_unit}.",
+        f"The time is {head.text} of {table.source.name}, {of_time}.",
+    ]
+    return Vectors(t_ns, factor * values[there], triple.name), sentences
 
 
 def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> int:
     """The column of the time of a sensor: one that is called after it, or else the one that rises at most rows."""
-    columns = {column: head for column, head in enumerate(table.headings) if head.is_time}
-    given = [column for column, head in columns.items() if _GIVEN in head.words]
-    own = [column for column, head in columns.items() if sensor_of(head.words) == sensor]
-    others = [column for column, head in columns.items() if sensor_of(head.words) is None]
+
+    def fitness(column: int) -> tuple[bool, bool, bool, float]:
+        """How well a column goes with the sensor, by its words and by the share of its times that rise."""
+        words = table.headings[column].words
+        named = sensor_of(words)
+        return _GIVEN in words, named == sensor, named is None, share_that_rises([row[column] for row in rows])
+
+    columns = [column for column, head in enumerate(table.headings) if head.is_time]
     if not columns:
-        raise InputError(f"{table.source.name} has no time, but {table.columns}: name its column, such as t=1")
-    return max(given or own or others or columns, key=lambda column: share_that_rises([row[column] for row in rows]))
+        raise InputError(f"{table.source} has no time, but {table.columns}: name its column, such as t=1")
+    return max(columns, key=fitness)

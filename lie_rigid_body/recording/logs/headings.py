@@ -142,25 +142,14 @@ def heading(text: str) -> Heading:
     if not unit and (tail := _TAIL.search(name)):
         unit = tail["long"] or tail["short"]
         name = f"{name[: tail.start()]}{tail['axis'] or ''}"
-    words = [word.lower() for word in _WORDS.findall(name)]
-    words = [word for word in words if word != "axis"]
-    return Heading(text.strip().lstrip("#%").strip(), *_split(words), unit)
-
-
-def _split(words: list[str]) -> tuple[tuple[str, ...], int | None]:
-    """Words without the axis, and the axis: a word of its own, or the last letter of a sensor's name."""
-    joined = "".join(words)
-    axis = "xyz012".find(joined[-1:]) % 3
-    if not joined or joined[-1] not in "xyz012":
-        if words[:1] and words[0] in ("x", "y", "z"):
-            return tuple(words[1:]), "xyz".index(words[0])
-        return tuple(words), None
-    if joined[:-1] in _SHORT:
-        return (joined[:-1],), axis
-    stem = words[-1][:-1]
-    if not stem or sensor_of([stem]):
-        return (*words[:-1], *([stem] if stem else [])), axis
-    return tuple(words), None
+    words = [word.lower() for word in _WORDS.findall(name) if word.lower() != "axis"]
+    if words and words[0] in ("x", "y", "z"):
+        words.append(words.pop(0))
+    stem = [word for word in (*words[:-1], *(word[:-1] for word in words[-1:])) if word]
+    axis = "xyz012".find("".join(words)[-1:])
+    has_axis = bool(words) and axis >= 0 and (not stem or sensor_of(stem) is not None)
+    plain = text.strip().lstrip("#%").strip()
+    return Heading(plain, tuple(stem if has_axis else words), axis % 3 if has_axis else None, unit)
 
 
 def sensor_of(words: Iterable[str]) -> str | None:

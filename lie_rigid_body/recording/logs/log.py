@@ -7,6 +7,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Final
 
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -18,6 +19,7 @@ from lie_rigid_body.system.bounded_input import as_path
 
 SENSORS: Final = (GYRO, ACCELEROMETER, MAGNETOMETER)
 _ROS_1: Final = ".bag"
+_OF_BAGS: Final = (*SUFFIXES, ".mcap.zstd", METADATA_FILE)
 
 
 @short_dataclass(frozen=True)
@@ -89,22 +91,27 @@ def read_log(
             raise InputError(f"{file} is no bag, and has no topics: name its columns by columns")
         found, taken = read_tables(file, {} if columns is None else columns)
     log = Log(f"{file}", found[GYRO], found.get(ACCELEROMETER), found.get(MAGNETOMETER), tuple(taken))
-    _require_overlap(log)
+    times = {name: vectors.t_ns for name, vectors in log.sensors.items()}
+    require_overlap(log.name, times, "record them together")
     return log
 
 
-def _is_bag(file: Path) -> bool:
-    if file.is_dir():
-        return (file / METADATA_FILE).exists() or any(
-            each.suffix.lower() in SUFFIXES or each.name.lower().endswith(".mcap.zstd") for each in file.glob("*")
-        )
-    return file.suffix.lower() in SUFFIXES
+def _is_bag(path: Path) -> bool:
+    files = path.iterdir() if path.is_dir() else [path]
+    return any(file.name.lower().endswith(_OF_BAGS) for file in files)
 
 
-def _require_overlap(log: Log) -> None:
-    """Refuse sensors of which one begins after another one has ended."""
-    spans = {name: (int(each.t_ns.min()), int(each.t_ns.max())) for name, each in log.sensors.items()}
-    for one, other in combinations(spans, 2):
-        if max(spans[one][0], spans[other][0]) > min(spans[one][1], spans[other][1]):
-            told = listed([f"{name} {spans[name][0] / NS:.9g} to {spans[name][1] / NS:.9g} s" for name in (one, other)])
-            raise InputError(f"{log.name}: sensors do not overlap in time, {told}: record them together")
+def require_overlap(name: str, times: Mapping[str, Integers], remedy: str) -> None:
+    """Refuse times, ns, of which some begin after others have ended.
+
+    Parameters
+    ----------
+    name : str
+        Name of the log.
+    times : mapping of str to ndarray of int64
+    remedy : str
+    """
+    for pair in combinations(times, 2):
+        if max(times[each].min() for each in pair) > min(times[each].max() for each in pair):
+            told = [f"{each} {times[each].min() / NS:.9g} to {times[each].max() / NS:.9g} s" for each in pair]
+            raise InputError(f"{name}: {' and '.join(pair)} do not overlap in time, {listed(told)}: {remedy}")

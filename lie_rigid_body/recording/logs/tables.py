@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
-from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
+import numpy as np
+
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.recording.logs.headings import LAYOUTS, Heading, heading, sensor_of
-from lie_rigid_body.recording.logs.sources import TextSource
-from lie_rigid_body.recording.logs.times import is_clock, is_number
+from lie_rigid_body.recording.logs.sources import TextSource, lines_of
+from lie_rigid_body.recording.logs.times import as_number, is_row
 
-_FIRST_ROWS: Final = 1000
-"""Rows by which columns of time are known."""
-_BLOCK: Final = 10_000
 _MIN_CELLS: Final = 4
 """Cells of the smallest table: a time and three axes."""
 _COMMENTS: Final = ("#", "%", "//", "sep=")
@@ -32,9 +32,10 @@ class TextTable:
 
     Attributes
     ----------
-    source : TextSource
+    source : Path
+        A file, or a member of a zip.
     separator : str
-    headings : tuple of Heading
+    headings : list of Heading
         Those of its columns; without a header they have no words.
     skipped : int
         Lines before its first row.
@@ -44,14 +45,9 @@ class TextTable:
 
     source: TextSource
     separator: str
-    headings: tuple[Heading, ...]
+    headings: list[Heading]
     skipped: int
     words: tuple[str, ...]
-
-    @property
-    def name(self) -> str:
-        """Name of the file without its folder."""
-        return Path(self.source.name).name
 
     @property
     def columns(self) -> str:
@@ -63,12 +59,12 @@ class TextTable:
         """The program that is known to write such a table, and its units."""
         return next((LAYOUTS[head.joined] for head in self.headings if head.joined in LAYOUTS), ("", {}))
 
-    def first_rows(self) -> list[list[str]]:
-        """The rows by which columns of time are known."""
-        return next(self.blocks(_FIRST_ROWS))[1]
+    def error(self, line: int, told: str) -> InputError:
+        """Error in a line of the file."""
+        return InputError(f"{self.source}, line {line}: {told}: correct the row or remove it")
 
-    def blocks(self, size: int = _BLOCK) -> Iterator[tuple[list[int], list[list[str]]]]:
-        """Numbers of lines, and their cells, block by block.
+    def rows(self) -> Iterator[tuple[int, list[str]]]:
+        """Numbers of lines, and their cells, of rows that are not blank.
 
         Raises
         ------
@@ -76,25 +72,41 @@ class TextTable:
             If a row has not as many cells as the header.
         """
         width = len(self.headings)
-        rows = self._rows()
-        while block := [*islice(rows, size)]:
-            for line, cells in block:
-                if len(cells) < width or any(cells[width:]):
-                    told = f"has {len(cells)} cells, where the header has {width}"
-                    raise InputError(f"{self.source.name}, line {line}: {told}: complete the row or remove it")
-            yield [line for line, _ in block], [cells for _, cells in block]
-
-    def _rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Numbers of lines, and their cells, of rows that are not blank."""
-        lines = (line.strip(" ") for line in islice(self.source.lines(), self.skipped, None))
-        reader = csv.reader(lines, delimiter=self.separator, skipinitialspace=True)
+        reader = _reader(islice(lines_of(self.source), self.skipped, None), self.separator)
         try:
             for cells in reader:
                 if any(cells) and not cells[0].startswith(_COMMENTS):
+                    if len(cells) < width or any(cells[width:]):
+                        told = f"has {len(cells)} cells, where the header has {width}"
+                        raise self.error(self.skipped + reader.line_num, told)
                     yield self.skipped + reader.line_num, cells
         except csv.Error as error:
-            line = self.skipped + reader.line_num
-            raise InputError(f"{self.source.name}, line {line}: not readable as CSV: {error}: correct it") from None
+            raise self.error(self.skipped + reader.line_num, f"not readable as CSV: {error}") from None
+
+    def read(self, time: int, read_time: Callable[[str], int], axes: Sequence[int]) -> tuple[Integers, Integers, Array]:
+        """Numbers of lines, times by a function, ns, and what is read of some columns, shape (N, K).
+
+        Raises
+        ------
+        InputError
+            If a cell cannot be read.
+        """
+        lines = array("q")
+        times = array("q")
+        values = array("d")
+        for line, cells in self.rows():
+            try:
+                times.append(read_time(cells[time]))
+                values.extend([as_number(cells[axis]) for axis in axes])
+            except (ValueError, ArithmeticError):
+                given = listed([shown(cells[column]) for column in (time, *axes)])
+                raise self.error(line, f"{given} is no time with {len(axes)} finite numbers") from None
+            lines.append(line)
+        return np.array(lines), np.array(times), np.array(values).reshape(-1, len(axes))
+
+
+def _reader(lines: Iterator[str], separator: str) -> Any:
+    return csv.reader((line.strip(" ") for line in lines), delimiter=separator, skipinitialspace=True)
 
 
 def read_table(source: TextSource) -> TextTable | None:
@@ -106,30 +118,23 @@ def read_table(source: TextSource) -> TextTable | None:
         If it cannot be read, or is no text.
     """
     header = ""
-    for number, line in enumerate(source.lines()):
+    for number, line in enumerate(lines_of(source)):
         separator = next((each for each in ";\t," if each in line), " ")
         cells = _cells(line, separator)
-        if not line.startswith(_COMMENTS) and _is_row(cells):
+        if not line.startswith(_COMMENTS) and is_row(cells):
             named = _cells(header, separator)
             if len(named) < _MIN_CELLS:
                 of_sensor = len(cells) == len(_LONG) and sensor_of(heading(cells[0]).words)
                 named = [*_LONG] if of_sensor else [f"{i}" for i in range(1, len(cells) + 1)]
-            words = heading(cells[0] if named[0] == _LONG[0] else source.stem).words
-            return TextTable(source, separator, tuple(map(heading, named)), number, words)
+            words = heading(cells[0] if named[0] == _LONG[0] else source.name.rpartition(".")[0]).words
+            return TextTable(source, separator, [*map(heading, named)], number, words)
         if len(cells) >= _MIN_CELLS and not line.startswith(_COMMENTS[2:]):
             header = line.lstrip("#%")
     return None
 
 
-def _is_row(cells: Sequence[str]) -> bool:
-    """Whether cells are those of a row: most that are filled are numbers or times of day."""
-    filled = [cell.replace(",", ".") for cell in cells if cell]
-    return 2 * sum(is_number(cell) or is_clock(cell) for cell in filled) > len(filled)
-
-
 def _cells(line: str, separator: str) -> list[str]:
     try:
-        row = next(csv.reader([line.strip(" ")], delimiter=separator, skipinitialspace=True), [])
+        return [cell.strip() for cells in _reader(iter([line]), separator) for cell in cells]
     except csv.Error:  # a cell is too long
         return []
-    return [cell.strip() for cell in row]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from datetime import date
 from decimal import Decimal
 from typing import Final
@@ -11,11 +12,9 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.foundation.wording import shown
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.logs.headings import TIME, UNITS, Heading, unit_key
-from lie_rigid_body.system.bounded_input import real
 
 _CLOCK: Final = re.compile(
     r"(?:(\d{4})[-/.](\d\d)[-/.](\d\d)[T, ]+)?(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d{1,9}))?(?:Z|[-+]\d\d:?\d\d)?"
@@ -23,15 +22,19 @@ _CLOCK: Final = re.compile(
 """A time of day, perhaps behind a date."""
 _DAY_S: Final = 86_400
 _NAMES: Final = {NS: "s", 10**6: "ms", 10**5: "0.1 ms", 10**3: "µs", 1: "ns"}
-_SIZES: Final = {NS: (5e8, 5e9), 10**6: (5e11, 5e12), 10**3: (5e14, 5e15), 1: (5e17, 5e18)}
-"""Numbers of each unit, by its ns, that are taken for times since 1970: 1985 to 2128."""
-_STEPS: Final = {NS: (6e-4, 0.6), 10**6: (0.6, 600.0), 10**3: (600.0, 6e5), 1: (6e5, 6e8)}
-"""Steps of each unit: logs have 0.6 ms to 0.6 s from one reading to the next."""
-_FINE: Final = {10**5: (0.0, 1200.0), 10**3: (1200.0, 1e6)}
-"""Steps of Xsens' SampleTimeFine, of older devices and of others."""
+_UNITS: Final = (NS, 10**6, 10**3, 1)
+"""Units of times, ns."""
+_FINE: Final = (10**3, 10**5)
+"""Units of Xsens' SampleTimeFine, of newer and of older devices, ns."""
+_SINCE_1970_NS: Final = (5e17, 5e18)
+"""Times that are taken for those since 1970: 1985 to 2128."""
+_STEPS_NS: Final = (6e5, 6e8)
+"""Steps of logs from one reading to the next."""
 _WRAPS: Final = 2**32
-_NEAR: Final = 0.1
-"""Part of its range in which a counter stands right before and after it begins anew."""
+_MIN_DROP: Final = 0.8
+"""Least part of its range by which a counter falls where it begins anew."""
+MISSING: Final = -(2**63)
+"""The time of an empty cell."""
 
 
 def nanoseconds(text: str, unit: int) -> int:
@@ -52,7 +55,7 @@ def nanoseconds(text: str, unit: int) -> int:
     return round(time)
 
 
-def clock_ns(text: str, _: int = 0) -> int:
+def clock_ns(text: str) -> int:
     """A time of day, and perhaps its date, in ns.
 
     Raises
@@ -69,33 +72,80 @@ def clock_ns(text: str, _: int = 0) -> int:
     return whole * NS + int((fraction or "").ljust(9, "0"))
 
 
-def first_times(texts: Sequence[str]) -> tuple[Array, bool]:
-    """Times among some texts, as numbers, in s where they are times of day, and whether they are."""
-    texts = [text.replace(",", ".") for text in texts if text]
-    of_day = [clock_ns(text) / NS for text in texts if is_clock(text)]
-    return np.array(of_day or [float(text) for text in texts if is_number(text)]), bool(of_day)
+def as_number(text: str) -> float:
+    """A number, perhaps with a decimal comma; NaN for an empty cell.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or is not finite.
+    """
+    if not text:
+        return np.nan
+    number = float(text.replace(",", "."))
+    if not abs(number) < np.inf or "_" in text:
+        raise ValueError(f"no number: {text!r}")
+    return number
 
 
-def is_clock(text: str) -> bool:
-    """Whether a text is a time of day."""
-    return _is_read_by(clock_ns, text)
+def value_of(text: str) -> float:
+    """A number, or a time of day, s; NaN for what is neither."""
+    for read, unit in ((as_number, 1.0), (clock_ns, float(NS))):
+        with suppress(ValueError):
+            return read(text) / unit
+    return np.nan
 
 
-def is_number(text: str) -> bool:
-    """Whether a text is a number."""
-    return _is_read_by(real, text)
+def is_row(texts: Sequence[str]) -> bool:
+    """Whether cells are those of a row: most that are filled are numbers or times of day."""
+    filled = [text for text in texts if text]
+    return 2 * int(np.isfinite([value_of(text) for text in filled]).sum()) > len(filled)
 
 
-def _is_read_by(read: Callable[[str], object], text: str) -> bool:
-    try:
-        read(text)
-    except ValueError:
-        return False
-    return True
+def first_times(texts: Sequence[str]) -> Array:
+    """Times among some texts, as numbers, in s where they are times of day."""
+    found = np.array([value_of(text) for text in texts])
+    return found[np.isfinite(found)]
 
 
+@short_dataclass(frozen=True)
 class Clock:
-    """A column of time, whose unit is that of its header, of the program, or told by its first times.
+    """A column of time.
+
+    Attributes
+    ----------
+    unit : int
+        Its unit, ns; 0 for times of day.
+    told : str
+        Words about the unit.
+    """
+
+    unit: int
+    told: str
+
+    def read(self, text: str) -> int:
+        """A time, ns; `MISSING` for an empty cell.
+
+        Raises
+        ------
+        ValueError, ArithmeticError
+            If it is none.
+        """
+        if not text:
+            return MISSING
+        return nanoseconds(text.replace(",", "."), self.unit) if self.unit else clock_ns(text)
+
+    def unwrapped(self, t_ns: Integers) -> tuple[Integers, str]:
+        """Times, ns, that go on where a counter of 32 bits, or the clock at midnight, begins anew, and words."""
+        period = _WRAPS * self.unit or _DAY_S * NS
+        drops = t_ns[:-1] - t_ns[1:]
+        anew = (drops > _MIN_DROP * period) & (drops <= period) & (self.unit != 1)
+        told = f"{self.told}, which begins anew at {t_ns[1:][anew][0] / NS:.9g} s" if anew.any() else self.told
+        return t_ns + period * np.append(0, np.cumsum(anew)), told
+
+
+def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
+    """Clock of a column, whose unit is that of its header, of the program, or told by its first times.
 
     Parameters
     ----------
@@ -104,73 +154,37 @@ class Clock:
         Its first times.
     unit : str
         The one that the program is known to write.
-    name : str
-        Path of the file, for errors.
 
-    Raises
-    ------
-    InputError
-        If they are no times, or neither name, size nor steps tell the unit.
+    Returns
+    -------
+    Clock or None
+        None if they are no times, or neither name, size nor steps tell the unit.
     """
-
-    MISSING: Final = -(2**63)
-    """The time of an empty cell."""
-
-    def __init__(self, head: Heading, texts: Sequence[str], unit: str, name: str) -> None:
-        self.head = head
-        self._read: Callable[[str, int], int] = nanoseconds
-        numbers, of_day = first_times(texts)
-        if of_day:
-            self._read = clock_ns
-            self._unit, self._told, self._period = 0, "a time of day", _DAY_S * NS
-            return
-        found = _unit(head, numbers, unit)
-        if found is None:
-            remedy = f"name another column, or its unit, such as t={head.text}:ms"
-            raise InputError(f"{name}: size and steps of {shown(head.text)} are those of no time: {remedy}")
-        self._unit, self._told = found
-        self._period = _WRAPS * self._unit
-
-    def at(self, texts: Sequence[str], refuse: Callable[[int, str], InputError]) -> Integers:
-        """Times of texts, ns."""
-        found = list[int]()
-        try:
-            for text in texts:
-                found.append(self._read(text.replace(",", "."), self._unit) if text else self.MISSING)
-        except (ValueError, ArithmeticError):
-            raise refuse(len(found), f"{shown(texts[len(found)])} is no time") from None
-        return np.array(found, dtype=np.int64)
-
-    def unwrapped(self, t_ns: Integers) -> tuple[Integers, str]:
-        """Times, ns, that go on where a counter of 32 bits, or the clock at midnight, begins anew, and words."""
-        near = _NEAR * self._period
-        anew = (t_ns[1:] >= 0) & (t_ns[1:] < near) & (t_ns[:-1] < self._period) & (t_ns[:-1] > self._period - near)
-        if self._unit == 1 or not anew.any():
-            return t_ns, self._told
-        more = self._period * np.concatenate([[0], np.cumsum(anew)])
-        return t_ns + more.astype(np.int64), f"{self._told}, which begins anew at {t_ns[1:][anew][0] / NS:.9g} s"
-
-
-def _unit(head: Heading, numbers: Array, of_program: str) -> tuple[int, str] | None:
-    """Nanoseconds of the unit of a column, and the words that say how it is known."""
-    told = [*map(unit_key, (head.unit, of_program, *(word for word in head.words if len(word) > 1)))]
-    named = next((int(UNITS[TIME][key]) for key in told if key in UNITS[TIME]), None)
-    if named is not None:
-        return named, f"in {_NAMES[named]}"
+    numbers = first_times(texts)
+    if len(numbers) and ":" in "".join(texts):
+        return Clock(0, "a time of day")
+    words = [word for word in head.words if len(word) > 1]
+    keys = [key for key in map(unit_key, (head.unit, unit, *words)) if key in UNITS[TIME]]
+    if keys:
+        named = int(UNITS[TIME][keys[0]])
+        return Clock(named, f"in {_NAMES[named]}")
     steps = np.diff(numbers)
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    size = float(np.median(numbers)) if len(numbers) else 0.0
     is_fine = head.words == ("sample", "time", "fine")
-    for limits, number, what in (
-        ({} if is_fine else _SIZES, float(np.median(numbers)) if len(numbers) else 0.0, "size"),
-        (_FINE if is_fine else _STEPS, step, f"steps of {step:g}"),
-    ):
-        for unit, (low, high) in limits.items():
-            if low <= number < high and number:
-                return unit, f"in {_NAMES[unit]} by its {what}"
+    by_size = [(each, "size") for each in _UNITS if _SINCE_1970_NS[0] <= size * each < _SINCE_1970_NS[1]]
+    by_step = [
+        (each, f"steps of {step:g}")
+        for each in (_FINE if is_fine else _UNITS)
+        if _STEPS_NS[0] <= step * each < _STEPS_NS[1]
+    ]
+    for each, what in (by_step if is_fine else by_size + by_step)[:1]:
+        return Clock(each, f"in {_NAMES[each]} by its {what}")
     return None
 
 
 def share_that_rises(texts: Sequence[str]) -> float:
     """Share of times that rise, in tenths, a little less where they are no numbers."""
-    numbers, of_day = first_times(texts)
+    numbers = first_times(texts)
+    of_day = ":" in "".join(texts)
     return round(float(np.mean(np.diff(numbers) > 0)), 1) - 0.01 * of_day if len(numbers) > 1 else -1.0
