@@ -99,8 +99,6 @@ class DimensionlessMotion:
         e₁, e₂, e₃: body rate per momentum along each axis.
     momentum : tuple of 3 Decimal
         n, the unit vector of the body momentum at the start.
-    twice_energy : Decimal
-        2H = Σ eⱼnⱼ².
     m1, m3 : Decimal
         n₁² and n₃² where n₂ = 0, which every motion passes, or comes arbitrarily near to.
     fastest : Decimal
@@ -109,7 +107,6 @@ class DimensionlessMotion:
 
     inverse_moments: Vector
     momentum: Vector
-    twice_energy: Decimal
     m1: Decimal
     m3: Decimal
     fastest: Decimal
@@ -136,8 +133,7 @@ class DimensionlessMotion:
         # the square of the body rate, Σ eⱼ²nⱼ², is largest where n₂ = 0
         fastest = (e1 * e1 * m1 + e3 * e3 * m3).sqrt()
         scaled = (e1 / fastest, e2 / fastest, e3 / fastest)
-        energy = scaled[0] * m1 + scaled[2] * m3
-        return cls(scaled, (x, y, z), energy, m1, m3, size * fastest)
+        return cls(scaled, (x, y, z), m1, m3, size * fastest)
 
 
 def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:
