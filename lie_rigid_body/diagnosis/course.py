@@ -189,7 +189,7 @@ class Course(Truth):
             return weight
         passed, pace, change = _own_time(stamps_ns / 1e9 - self.settle_s - self.rest_s, self.ramp_s)
         sway = harmonics(0, NoiseSource.SWAY, SWAY, SWAY_BAND).at(np.round(passed * 1e9).astype(np.int64))
-        acceleration = sway.acceleration * pace[:, np.newaxis] ** 2 + sway.rate * change[:, np.newaxis]
+        acceleration = sway.acceleration * pace[:, np.newaxis] ** 2 + sway.velocity * change[:, np.newaxis]
         earlier, later = (self.states(stamps_ns + step)[1] for step in (-NS // 2000, NS // 2000))
         of_rotation = np.cross(1000.0 * (later - earlier), LEVER_ARM) + np.cross(rate, np.cross(rate, LEVER_ARM))
         return weight + of_rotation + self.in_body(attitude, acceleration)

@@ -7,8 +7,9 @@ torque-free, so that it has an energy and a momentum of its own.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -65,7 +66,7 @@ class Kicks:
         """
         rows = np.array(numbers, dtype=np.float64).reshape(-1, KICK_NUMBERS)
         times = [decimal_ns(seconds) for seconds in rows[:, 0].tolist()]
-        for i, (before, after) in enumerate(zip([0, *times], times, strict=False)):
+        for i, (before, after) in enumerate(pairwise([0, *times])):
             if not before < after <= _MAX_TIME:
                 raise ParameterError(
                     "kicks",
@@ -94,7 +95,7 @@ class Kicks:
         """Number of kicks after which the body rests."""
         return int((~self.body_rate.any(axis=1)).sum())
 
-    def arcs(self, t_ns: Integers) -> Integers:
+    def arcs(self, t_ns: Integers | int) -> Integers:
         """Numbers of the arcs at some times, ns: a kick's own time belongs to the arc after it."""
         if not self.period_ns:
             return np.asarray(np.searchsorted(self.t_ns, t_ns, side="right"))
@@ -103,18 +104,21 @@ class Kicks:
 
     def arc(self, t_ns: int) -> int:
         """Number of the arc at one time, ns."""
-        return int(self.arcs(np.array([t_ns]))[0])
+        return int(self.arcs(t_ns))
 
     def begin_ns(self, arc: int) -> int:
         """Time at which an arc begins, ns since the start: that of its kick, or 0."""
-        return int(self.begins_ns(np.array([arc]))[0])
+        return int(self.begins_ns(arc))
 
-    def begins_ns(self, arcs: Integers) -> Integers:
+    def begins_ns(self, arcs: Integers | int) -> Integers:
         """Times at which some arcs begin, ns since the start."""
-        if not len(self):
-            return np.zeros_like(arcs)
-        laps, kicks = np.divmod(arcs - 1, len(self))
-        return np.where(arcs > 0, laps * self.period_ns + self.t_ns[kicks], 0)
+        laps, places = self.places(arcs)
+        return np.asarray(laps * self.period_ns + np.append(0, self.t_ns)[places])
+
+    def places(self, arcs: Integers | int) -> tuple[Integers, Integers]:
+        """Periods before some arcs, and their places among the start, which comes once, and the kicks of a period."""
+        laps, kicks = np.divmod(np.asarray(arcs) - 1, max(1, len(self)))
+        return np.maximum(laps, 0), np.where(laps < 0, 0, kicks + 1)
 
     def rate(self, arc: int | Integers) -> Array:
         """Body rate, rad/s, right after the kick that begins an arc from 1 on; of N arcs shape (N, 3)."""
@@ -126,14 +130,12 @@ class Kicks:
         numbers = np.arange(1, count + 1)
         return self.begins_ns(numbers), self.rate(numbers)
 
-    def parts(self, t_ns: Integers) -> Iterator[tuple[int, Integers]]:
+    def parts(self, t_ns: Integers) -> Iterable[tuple[int, Integers]]:
         """The arcs of some times, ns, in the order in which they come: each one's number, and the times' places."""
         arcs = self.arcs(t_ns)
         order = np.argsort(arcs, kind="stable")
         numbers, begins = np.unique(arcs[order], return_index=True)
-        ends = [*begins[1:], len(order)]
-        for number, begin, end in zip(numbers.tolist(), begins, ends, strict=False):
-            yield number, order[begin:end]
+        return zip(numbers.tolist(), np.split(order, begins[1:]), strict=False)
 
 
 class KickedMotion(ABC):

@@ -21,8 +21,8 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.state import UNIT_NORM_TOLERANCE
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.translation import MassCentre
 
 KNOT_NUMBERS: Final = 8
 """Numbers of a knot: its time, s, its position, m, and its attitude, scalar last."""

@@ -27,7 +27,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS_TOPIC
 from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicks import Kicks
-from lie_rigid_body.motion.translation import MassCentre
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.logs import Log, read_log
 from lie_rigid_body.recording.samples import samples_in_memory

@@ -14,7 +14,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain, whole_number
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import NS, Value, require_frame_name
+from lie_rigid_body.foundation.parameters import NS, Value, Vector, require_frame_name
 from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
@@ -25,7 +25,7 @@ from lie_rigid_body.motion.kicked_steps import KickedSteps
 from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.path import Knots, PathTranslation, PosePath
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
-from lie_rigid_body.motion.translation import Carried, Parabola, SwayClock, Translation, ramp_s
+from lie_rigid_body.motion.translation import Fall, Sway, Translation, UniformAndMore, ramp_s
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
 from lie_rigid_body.sensors.noise import NoiseSource, harmonics
@@ -86,24 +86,24 @@ class Scenario:
         Naming the parameter, its value, its limit and the remedy.
     """
 
-    inertia: tuple[float, ...]
-    initial_attitude_xyzw: tuple[float, ...]
-    initial_body_rate: tuple[float, ...]
+    inertia: Vector
+    initial_attitude_xyzw: Vector
+    initial_body_rate: Vector
     rate: float
     motion: str
     method: str
     max_step: float
-    kicks: tuple[float, ...]
+    kicks: Vector
     kick_period: float
     translation: str
-    initial_position: tuple[float, ...]
-    initial_velocity: tuple[float, ...]
-    sway_acceleration: tuple[float, ...]
-    sway_band: tuple[float, ...]
+    initial_position: Vector
+    initial_velocity: Vector
+    sway_acceleration: Vector
+    sway_band: Vector
     sway_seed: int
     path_file: str
     path_interval: float
-    path_knots: tuple[float, ...]
+    path_knots: Vector
     world_frame: str
     body_frame: str
     stamped_twist: bool
@@ -272,12 +272,11 @@ class Scenario:
         if path := self.path():
             return PathTranslation(path)
         if sway := self.sway():
-            starts_at_rest = not any(self.initial_body_rate)
-            clock = SwayClock(self.kick_schedule(), starts_at_rest=starts_at_rest, ramp_s=ramp_s(self.sway_band))
-            return Carried(self.initial_position, self.initial_velocity, sway, clock)
-        velocity = self.initial_velocity if self.moves else (0.0, 0.0, 0.0)
-        gravity = cast(float, self.value("gravity")) if self.translation == "thrown" else 0.0
-        return Parabola(self.initial_position, velocity, gravity)
+            moves_first = any(self.initial_body_rate)
+            further: Translation = Sway(sway, self.kick_schedule(), moves_first, ramp_s(self.sway_band))
+        else:
+            further = Fall(cast(float, self.value("gravity")) if self.translation == "thrown" else 0.0)
+        return UniformAndMore(self.initial_position, self.initial_velocity if self.moves else (0.0, 0.0, 0.0), further)
 
     def carrier(self) -> Carrier:
         """Carrier of the sensors: the body, and its acceleration."""

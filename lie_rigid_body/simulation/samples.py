@@ -12,7 +12,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
-from lie_rigid_body.motion.translation import MassCentre
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.sensors import SENSORS, Signal
 from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 

@@ -28,7 +28,7 @@ from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import numerals, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion.translation import MassCentre
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
 from lie_rigid_body.scenario import Scenario
 
