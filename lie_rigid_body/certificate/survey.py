@@ -80,7 +80,8 @@ class SegmentTally:
         self.segment = segment
         self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
         self._count = self._unpaired = self._alone_since = 0
-        self._first = self._last_ns = 0
+        self._first: int | None = None
+        self._last_ns: int | None = None
         self.logged_ns = MAX_EPOCH_NS
 
     @property
@@ -114,18 +115,8 @@ class SegmentTally:
             open_end=open_end and is_last,
             cut_off=cut_off and is_last,
         )
-        if not self._count:
-            return SurveyedSegment(self._place, segment, 0, None, None, law, late_start, 0)
-        return SurveyedSegment(
-            self._place,
-            segment,
-            self._count,
-            self._first,
-            self._last_ns,
-            law,
-            late_start,
-            self._unpaired,
-        )
+        first = self._first
+        return SurveyedSegment(self._place, segment, self._count, first, self._last_ns, law, late_start, self._unpaired)
 
 
 class Counts:

@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
 from lie_rigid_body.evaluation.causes import UP
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
@@ -120,8 +120,8 @@ class Course(Truth):
     settle_s: float = 0.0
     ramp_s: float = RAMP
     grid: str = "even"
-    gaps_s: tuple[float, ...] = ()
-    off: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    gaps_s: Vector = ()
+    off: tuple[tuple[str, Vector], ...] = ()
     seed: int = 0
     is_rounded: bool = False
     is_carried: bool = False

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Array, Integers, items
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
 from lie_rigid_body.system.bounded_input import MAX_NAME_LENGTH, MAX_STRING_LENGTH
@@ -250,7 +250,7 @@ class FramedNumbers:
 
     stamps_ns: list[int] = field(default_factory=list)
     messages: list[int] = field(default_factory=list)
-    numbers: list[tuple[float, ...]] = field(default_factory=list)
+    numbers: list[Vector] = field(default_factory=list)
 
 
 def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:

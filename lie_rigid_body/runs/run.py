@@ -152,17 +152,17 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     @property
     def position(self) -> Array | None:
         """Position of the mass centre in the world frame, m, shape (N, 3)."""
-        return None if self._centre is None else self._centre.position
+        return getattr(self._centre, "position", None)
 
     @property
     def velocity(self) -> Array | None:
         """Velocity of the mass centre in the world frame, m/s, shape (N, 3)."""
-        return None if self._centre is None else self._centre.velocity
+        return getattr(self._centre, "velocity", None)
 
     @property
     def acceleration(self) -> Array | None:
         """Acceleration of the mass centre in the world frame, m/s², shape (N, 3)."""
-        return None if self._centre is None else self._centre.acceleration
+        return getattr(self._centre, "acceleration", None)
 
     @cached_property
     def kicks(self) -> Kicks:

@@ -8,14 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 from functools import partial, wraps
-from typing import Any, Final, TypeVar, cast
+from typing import Final, TypeVar, cast
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain, whole_number
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import NS, Value, Vector, require_frame_name
-from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
+from lie_rigid_body.foundation.wording import call_repr, numerals, shown
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
@@ -141,7 +141,7 @@ class Scenario:
         new = copy.copy(self)
         for name, value in (("rate", rate), ("epoch_ns", epoch_ns)):
             if value is not None:
-                object.__setattr__(new, name, _read(name, value))
+                object.__setattr__(new, name, BY_NAME[name].read(plain(value)))
         return new
 
     def __repr__(self) -> str:
@@ -171,9 +171,6 @@ class Scenario:
 
     def frame(self, parameter: str) -> str:
         """Value of a frame parameter: the name of a frame."""
-        names = sorted({"world_frame", "body_frame", *frame_parameters()})
-        if str(parameter) not in names:
-            raise ParameterError(parameter, f"no such parameter: {suggestion(str(parameter), names, 'parameters')}")
         return str(self.value(parameter))
 
     @property
@@ -321,10 +318,9 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth.
         """
-        rate = self.rate if rate is None else _read("rate", rate)
         if self.motion != "moving_chart":
             return 1
-        return steps_between(1.0 / rate, self.longest_step)
+        return steps_between(1.0 / (rate or self.rate), self.longest_step)
 
     def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
         """Number of samples to compute at once, at least 1.
@@ -338,9 +334,7 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth or of the fastest sensor.
         """
-        at_most = whole_number("at_most", at_most, 1)
-        steps = whole_number("steps", steps, 1)
-        rate = max(self.rates) if rate is None else _read("rate", rate)
+        rate = rate or max(self.rates)
         of_kicks = int(_STEPS_OF_A_KICK * self.kick_schedule().per_second / rate)
         return max(1, min(at_most, steps // (self.steps_per_sample(rate) + of_kicks)))
 
@@ -439,10 +433,6 @@ class Scenario:
                 f"at up to {fastest:.3g} rad/s {self.method} takes {steps:.3g} steps of {step:.3g} s between samples, "
                 f"more than {MAX_STEPS:g}: give longer steps, a lower body rate, or use closed_form",
             )
-
-
-def _read(name: str, value: object) -> Any:
-    return BY_NAME[name].read(plain(value))
 
 
 def _shorter(longest: float) -> str:

@@ -301,7 +301,7 @@ class Imu(Instrument):
         }
 
 
-def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
+def _fixed(model: ImuModel) -> dict[str, Vector]:
     """Fields that are the same in all messages of readings (REP-145)."""
     return {
         **_UNORIENTED,
@@ -311,11 +311,11 @@ def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
     }
 
 
-def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
+def _fixed_of_bias(model: ImuModel) -> dict[str, Vector]:
     return _UNORIENTED
 
 
-_UNORIENTED: Final[dict[str, tuple[float, ...]]] = {
+_UNORIENTED: Final[dict[str, Vector]] = {
     "orientation": (0.0, 0.0, 0.0, 1.0),
     "orientation_covariance": (-1.0, *[0.0] * 8),
 }

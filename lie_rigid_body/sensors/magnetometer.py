@@ -190,7 +190,7 @@ class Magnetometer(Instrument):
         return {"field": Signal(signal, model.converter)}
 
 
-def _fixed(model: MagnetometerModel) -> dict[str, tuple[float, ...]]:
+def _fixed(model: MagnetometerModel) -> dict[str, Vector]:
     return {"magnetic_field_covariance": diagonal(model.variance)}
 
 

@@ -52,7 +52,7 @@ def angle(name: str, description: str) -> Parameter:
     return not_negative(name, description, maximum=math.pi)
 
 
-def numbers(name: str, default: tuple[float, ...], description: str) -> Parameter:
+def numbers(name: str, default: Vector, description: str) -> Parameter:
     """A parameter that is an array as long as its default."""
     return Parameter(name, "double_array", default, description, lengths=(len(default),))
 

@@ -43,7 +43,7 @@ class OrientationModel:
     heading_noise: float
 
     @property
-    def covariance(self) -> tuple[float, ...]:
+    def covariance(self) -> Vector:
         """Covariance of n, of small rotations about the fixed axes of the world, rad², row by row."""
         inclination = self.inclination_noise**2
         heading = self.heading_noise**2

@@ -255,7 +255,7 @@ class Field:
     shape: tuple[int, ...] = ()
 
 
-def diagonal(variance: float) -> tuple[float, ...]:
+def diagonal(variance: float) -> Vector:
     """Covariance, row by row, of three independent components of one variance."""
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
 
@@ -286,7 +286,7 @@ class Topic:
     title: str
     fields: tuple[Field, ...]
     frame: str = "body_frame"
-    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] | None = None
+    fixed: Callable[[Any], Mapping[str, Vector]] | None = None
 
 
 @short_dataclass(frozen=True)

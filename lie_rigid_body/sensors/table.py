@@ -158,17 +158,16 @@ def without_effect(values: Mapping[str, Value]) -> list[str]:
     of_world = {*frame_parameters(), "accelerometer_mode"}  # a scenario tells what world it is without a sensor as well
     asked = {name for name, value in values.items() if value != usual[name] and name not in of_world}
     faults = fault_switches(SENSORS.parameters.values())
-    idle = [(sensor.switch, [p.name for p in sensor.all_parameters if p.name in asked]) for sensor in SENSORS.values()]
-    switches = {name: begins for sensor in SENSORS.values() for name, begins in sensor.switches.items()}
-    for switch, begins in {**switches, **faults}.items():
-        idle.append((switch, [name for name in SENSORS.parameters if name in asked and name.startswith(begins)]))
+    begins = {switch: own for sensor in SENSORS.values() for switch, own in sensor.switches.items()} | faults
+    every = SENSORS.parameters
+    switched = {sensor.switch: [p.name for p in sensor.all_parameters] for sensor in SENSORS.values()}
+    switched |= {switch: [name for name in every if name.startswith(own)] for switch, own in begins.items()}
     sentences = list[str]()
-    for switch, names in idle:
-        if not values[switch]:
-            names = [name for name in names if name in asked]
-            asked.difference_update(names)  # those of a sensor that is off are not told twice
-            if names:
-                sentences.append(_idle(names, f"{switch} is {'false' if values[switch] is False else 0}"))
+    for switch, names in switched.items():
+        idle = [name for name in names if name in asked and not values[switch]]
+        asked.difference_update(idle)  # those of a sensor that is off are not told twice
+        if idle:
+            sentences.append(_idle(idle, f"{switch} is {'false' if values[switch] is False else 0}"))
     window = [parameter.name for parameter in WINDOW_PARAMETERS if parameter.name in asked]
     if window and not any(values[switch] for switch in faults):
         sentences.append(_idle(window, "no fault that comes and goes is on"))
