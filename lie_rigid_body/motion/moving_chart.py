@@ -132,9 +132,10 @@ METHODS: Final = {
             for tableau in (EULER, MIDPOINT, CLASSICAL)
         ),
         *(
-            Method(f"dmv{order}", order, partial(MoserVeselovIntegrator, order=order), MAX_TURN, default_step)
-            for order, default_step in (*((order, DEFAULT_STEP) for order in (2, 4, 6, 8, 10)), (20, math.inf))
+            Method(f"dmv{order}", order, partial(MoserVeselovIntegrator, order=order), MAX_TURN)
+            for order in (2, 4, 6, 8, 10)
         ),
+        Method("dmv20", 20, partial(MoserVeselovIntegrator, order=20), MAX_TURN, math.inf),
     )
 }
 """The steppers by their public names."""

@@ -99,9 +99,9 @@ def _three(values: Iterable[Decimal]) -> Three:
     return a, b, c
 
 
-def _series(motion: Invariants[Decimal], terms: int) -> tuple[PowerSeries, PowerSeries]:
+def _series(motion: Invariants, terms: int) -> tuple[PowerSeries, PowerSeries]:
     """The series of α and β: decimal terms first, then the later ones in doubles; α ends one term earlier."""
-    in_doubles = Invariants[float](*map(float, vars(motion).values()))
+    in_doubles = Invariants(*map(float, motion))
     exact = preprocessed_inertia(motion, min(terms, _EXACT_TERMS))
     later = preprocessed_inertia(in_doubles, terms)
     alpha, beta = (
