@@ -92,11 +92,14 @@ def decode_places(
         byte_order(bytes(data[starts[shortest] : ends[shortest]]), first + shortest)  # which refuses it
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
-    frames = _FrameNames(len(starts))
+    names = np.full(len(starts), "", dtype=np.object_)
     for indices, rows in _of_one_size(data, starts, ends - starts):
         for alike in _alike(rows, stamped=stamped):
-            _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
-    return Decoded(stamps if stamped else None, values, *frames.in_order())
+            _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, names)
+    if not stamped:
+        return Decoded(None, values, (), np.zeros(len(starts), dtype=np.int64))
+    numbers_of = {name: number for number, name in enumerate(dict.fromkeys(names.tolist()))}
+    return Decoded(stamps, values, tuple(numbers_of), np.fromiter(map(numbers_of.__getitem__, names), dtype=np.int64))
 
 
 def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) -> Iterator[tuple[Integers, Bytes]]:
@@ -123,7 +126,13 @@ def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
 
 
 def _decode_alike(
-    rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: _FrameNames
+    rows: Bytes,
+    indices: Integers,
+    first: int,
+    stamped: bool,
+    stamps: Integers,
+    values: Array,
+    names: NDArray[np.object_],
 ) -> None:
     head = rows[0].tobytes()
     at = int(indices[0])
@@ -137,7 +146,11 @@ def _decode_alike(
     values[indices] = _column(rows, start, 8 * count, f"{order}f8")
     if stamped:
         stamps[indices] = _stamps(rows, order, first + indices)
-        frames.add(rows[:, FRAME_OFFSET : FRAME_OFFSET + length], indices, first)
+        texts = rows[:, FRAME_OFFSET : FRAME_OFFSET + length]
+        distinct = texts[:1] if (texts == texts[:1]).all() else texts
+        names[indices] = [
+            text_of(each.tobytes(), first + i) for each, i in zip(distinct, indices.tolist(), strict=False)
+        ]
 
 
 def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic]:
@@ -151,37 +164,6 @@ def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:
         worst = int(np.argmax(nanosec >= NS))
         raise BagError(f"message {indices[worst]} has a stamp of {nanosec[worst]} nanosec, not below 1e9")
     return sec * NS + nanosec
-
-
-class _FrameNames:
-    """The frame names of messages, collected in any order."""
-
-    def __init__(self, count: int) -> None:
-        self._numbers: dict[str, int] = {}
-        self._of_messages = np.zeros(count, dtype=np.int64)
-
-    def add(self, texts: Bytes, indices: Integers, first: int) -> None:
-        """Take the names of some messages, given as bytes."""
-        if texts.shape[1] == 0 or (texts == texts[:1]).all():
-            self._of_messages[indices] = self._number(texts[0].tobytes(), first + int(indices[0]))
-            return
-        names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
-        distinct, at, inverse = np.unique(names, return_index=True, return_inverse=True)
-        pairs = zip(distinct, indices[at].tolist(), strict=True)
-        numbers = np.array([self._number(bytes(name), first + index) for name, index in pairs])
-        self._of_messages[indices] = numbers[inverse]
-
-    def _number(self, text: bytes, index: int) -> int:
-        return self._numbers.setdefault(text_of(text, index), len(self._numbers))
-
-    def in_order(self) -> tuple[tuple[str, ...], Integers]:
-        """Distinct names in order of appearance, and the number of the name that each message has."""
-        if len(self._numbers) <= 1:
-            return tuple(self._numbers), self._of_messages
-        _, at = np.unique(self._of_messages, return_index=True)
-        order = np.argsort(at)
-        names = tuple(self._numbers)
-        return tuple(names[i] for i in order.tolist()), np.argsort(order)[self._of_messages]
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:
