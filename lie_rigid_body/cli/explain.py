@@ -146,22 +146,16 @@ def main(given: argparse.Namespace) -> int:
     )
     if path := scenario.path():
         told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration()}
-        return emit(
-            {},
-            lambda: as_text([Sentences([_PATH.format(**told)]), *_other_parts(scenario)], title),
-            lambda: {"parameters": scenario.parameters(), "path": told},
-            as_json=given.json,
-        )
-    description = describe(scenario.body(), scenario.start())
+        parts: list[Part] = [Sentences([_PATH.format(**told)])]
+        data: dict[str, Any] = {"path": told}
+    else:
+        description = describe(scenario.body(), scenario.start())
+        parts = _parts(scenario, description)
+        data = {**asdict(description), "conserved": _conserved(description), **beyond_rotation(scenario)}
     return emit(
         {},
-        lambda: as_text(_parts(scenario, description), title),
-        lambda: {
-            "parameters": scenario.parameters(),
-            **asdict(description),
-            "conserved": _conserved(description),
-            **beyond_rotation(scenario),
-        },
+        lambda: as_text([*parts, *_other_parts(scenario)], title),
+        lambda: {"parameters": scenario.parameters(), **data},
         as_json=given.json,
     )
 
@@ -182,7 +176,6 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Sentences([_regime(description)]),
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
         Sentences([*_conservation(description)], f"Conserved{until}"),
-        *_other_parts(scenario),
     ]
 
 

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Vector, require_at_most
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
@@ -176,21 +176,10 @@ class IntegratedRate:
         -------
         ndarray, shape (N, 3)
             rad/s.
-
-        Raises
-        ------
-        InputError
-            If a stamp is not later than the one before.
         """
         times = np.concatenate([self._times, stamps_ns])
         attitudes = np.concatenate([self._attitudes, states.attitude_xyzw])
         intervals = np.diff(times)
-        if len(intervals) and intervals.min() <= 0:
-            worst = int(np.argmin(intervals))
-            raise InputError(
-                f"stamps_ns: {times[worst + 1]} follows {times[worst]}: an integrated rate needs stamps that rise, "
-                "the first one above before_ns"
-            )
         self._times = times[-1:]
         self._attitudes = attitudes[-1:]
         turns = quaternion.log(quaternion.multiply(quaternion.conjugate(attitudes[:-1]), attitudes[1:]))

@@ -86,11 +86,6 @@ class Instrument(ABC):
         Returns
         -------
         dict of str to ndarray, shape (N, ...)
-
-        Raises
-        ------
-        InputError
-            If the instrument integrates over time and the times do not rise.
         """
         blocks = [slice(begin, begin + BLOCK) for begin in range(0, max(1, len(times_ns)), BLOCK)]
         signals = (self.signals(times_ns[rows], states[rows], first + rows.start) for rows in blocks)
