@@ -93,7 +93,7 @@ class ReadingEncoder:
 
     def __init__(self, topic: Topic, model: SensorModel, scenario: Scenario) -> None:
         self.topic = topic
-        self.frame = scenario.frame(topic.frame)
+        self.frame = str(scenario.value(topic.frame))
         self.numbers = fixed_numbers(topic, model)
         self.fields = told_fields(topic, model)
         places = [numbers_of(topic, field) for field in self.fields]

@@ -133,15 +133,14 @@ class Scenario:
             raise InputError(f"parameters {shown(given)} are no mapping: give for example {{'rate': 100.0}}")
         return cls(**{str(name): value for name, value in (given or {}).items()})
 
-    def resampled(self, *, rate: float | None = None, epoch_ns: int | None = None) -> Scenario:
-        """Sample the same motion and sensors at another rate, Hz, or from another stamp, ns.
+    def resampled(self, **values: object) -> Scenario:
+        """Sample the same motion and sensors at another ``rate``, Hz, or from another stamp, ``epoch_ns``, ns.
 
         Each is read as the parameter of its name; whether the motion can take the steps is not validated.
         """
         new = copy.copy(self)
-        for name, value in (("rate", rate), ("epoch_ns", epoch_ns)):
-            if value is not None:
-                object.__setattr__(new, name, BY_NAME[name].read(plain(value)))
+        for name, value in values.items():
+            object.__setattr__(new, name, BY_NAME[name].read(plain(value)))
         return new
 
     def __repr__(self) -> str:
@@ -168,10 +167,6 @@ class Scenario:
         """Value of a parameter, of a sensor that is off as well."""
         of_sensors = dict(self.sensor_parameters)
         return of_sensors[parameter] if parameter in of_sensors else cast(Value, getattr(self, parameter))
-
-    def frame(self, parameter: str) -> str:
-        """Value of a frame parameter: the name of a frame."""
-        return str(self.value(parameter))
 
     @property
     def has_sensors(self) -> bool:
@@ -218,7 +213,10 @@ class Scenario:
         """State at the start: attitude and body rate."""
         if path := self.path():
             return path.at(0)
-        return State(self.initial_attitude_xyzw, self.initial_body_rate)
+        try:
+            return State(self.initial_attitude_xyzw, self.initial_body_rate)
+        except ParameterError as error:
+            raise ParameterError(f"initial_{error.name}", error.message) from None
 
     @_computed_once
     def kick_schedule(self) -> Kicks:
@@ -371,7 +369,7 @@ class Scenario:
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body = self.body()
             self._require_path_alone()
-            self._valid_start()
+            self.start()
             _require_normal(body, self.arc_starts())
         kicks = self.kick_schedule().per_second / min(self.rates)
         if kicks > MAX_KICKS_PER_SAMPLE:
@@ -391,7 +389,7 @@ class Scenario:
         """Refuse a world that turns with the body: tf2 takes no frame that is its own parent."""
         of_sensors = frame_parameters() if self.has_sensors else ()
         for name in sorted({"body_frame", *of_sensors} - {"world_frame"}):
-            if self.frame(name) == self.world_frame:
+            if self.value(name) == self.world_frame:
                 raise ParameterError(name, f"{shown(self.world_frame)} is the world_frame as well: give another name")
 
     def _require_path_alone(self) -> None:
@@ -409,12 +407,6 @@ class Scenario:
                 "path_file", read if self.path_file else "motion path has no poses: give a file of them"
             )
         self.path()
-
-    def _valid_start(self) -> State:
-        try:
-            return self.start()
-        except ParameterError as error:
-            raise ParameterError(f"initial_{error.name}", error.message) from None
 
     def _require_possible_steps(self, fastest: float) -> None:
         """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""

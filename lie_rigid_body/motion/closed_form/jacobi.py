@@ -131,8 +131,8 @@ class RealTheta(NamedTuple):
                 cn=_times(p2, unity / value(p2, 2 * q)),
                 dn=_times(p3, unity / value(p3, 2 * q)),
                 denominator=p4,
-                sine=odd_sines(q, cosh),
-                cosine=odd_cosines(q, sinh),
+                sine=odd(q, q, cosh),
+                cosine=odd(q, -q, sinh),
             )
         )
 
@@ -207,8 +207,8 @@ class ImaginaryTheta(NamedTuple):
             cn=_times(p4, unity / value(p4, 2 * q)),
             dn=_times(p3, unity / value(p3, 2 * q)),
             denominator=p2,
-            sine=odd_sines(q, _times_powers(cosines, q)),
-            cosine=odd_cosines(q, _times_powers(sines, q)),
+            sine=odd(q, q, _times_powers(cosines, q)),
+            cosine=odd(q, -q, _times_powers(sines, q)),
         )
         return cls(quotients, quarter, drift)
 
@@ -262,17 +262,8 @@ def _times_powers(values: list[float], q: float) -> Cubic:
     return a, b, c, d
 
 
-def odd_sines(q: float, weights: Cubic) -> Cubic:
-    """Σ (−1)ⁿ wₙ qⁿ² sin((2n+1)ζ)/sin ζ as a polynomial in z."""
-    return _odd(q, q, weights)
-
-
-def odd_cosines(q: float, weights: Cubic) -> Cubic:
-    """Σ (−1)ⁿ wₙ qⁿ² cos((2n+1)ζ)/cos ζ as a polynomial in z."""
-    return _odd(q, -q, weights)
-
-
-def _odd(q: float, signed: float, weights: Cubic) -> Cubic:
+def odd(q: float, signed: float, weights: Cubic) -> Cubic:
+    """Σ (−1)ⁿ wₙ qⁿ² sin((2n+1)ζ)/sin ζ as a polynomial in z; with −q for ``signed`` the same of cosines."""
     # with x = 2 cos 2ζ = z/q the quotients of sines are 1, x + 1, x² + x − 1, x³ + x² − 2x − 1, those of cosines the
     # same with x − 1, x² − x − 1, x³ − x² − 2x + 1: the sign of each odd power of q changes
     w0, w1, w2, w3 = weights
@@ -296,8 +287,8 @@ def even_cosines(q: float, sign: float) -> Cubic:
 def theta_cubics(q: float) -> tuple[Cubic, Cubic, Cubic, Cubic]:
     """P₁, P₂, P₃ and P₄ of the module's docstring."""
     return (
-        odd_sines(q, (1, q, q * q, q * q * q)),
-        odd_cosines(q, (1, -q, q * q, -q * q * q)),
+        odd(q, q, (1, q, q * q, q * q * q)),
+        odd(q, -q, (1, -q, q * q, -q * q * q)),
         even_cosines(q, 1),
         even_cosines(q, -1),
     )

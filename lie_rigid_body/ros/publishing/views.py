@@ -62,7 +62,7 @@ class Transforms(Sink):
         scenario = segment.scenario
         self._resting = scenario.initial_position
         self._encoder = TransformEncoder(scenario.world_frame, scenario.body_frame)
-        imu_frame = scenario.frame("imu_frame")
+        imu_frame = str(scenario.value("imu_frame"))
         if scenario.has_sensors and imu_frame != scenario.body_frame:
             pose = np.array([scenario.value("accelerometer_lever_arm")]), np.array([[0.0, 0.0, 0.0, 1.0]])
             mount = TransformEncoder(scenario.body_frame, imu_frame)
