@@ -14,7 +14,7 @@ SHOWN: Final = 4
 """Number of samples of a broken law, or of faults of a kind, that are listed."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class LawResult:
     """The result of one law on one segment, or on a bag as a whole.
 

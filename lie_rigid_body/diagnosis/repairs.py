@@ -49,7 +49,7 @@ DRIFT: Final = 0.1
 of the error."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Repair:
     """A change of the readings, or of the estimate.
 
@@ -431,7 +431,7 @@ ORDER: Final = (
 """Order in which mistakes are named if several repairs do equally well at equal cost."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Answer:
     """Estimate of a filter in a course.
 

@@ -98,7 +98,7 @@ QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", 
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Trial:
     """Runs with one kind of gyro and with repairs, and the error that they leave.
 

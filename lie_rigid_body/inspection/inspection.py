@@ -22,7 +22,7 @@ READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetome
 """Arrays of the readings of each sensor."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Inspection:
     """Inspection of the readings of a run, without its truth.
 

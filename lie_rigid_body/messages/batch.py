@@ -166,7 +166,7 @@ def _text_template(size: int) -> Template:
     return Template(bytes(size), [(0, size // 8), (size - 8, 1)])
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Messages:
     """Messages of one topic.
 
@@ -200,7 +200,7 @@ class Messages:
         return cls(parts[0].topic, np.concatenate([part.times_ns for part in parts]), Payloads(template, words))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Batch:
     """The messages of what was taken from a simulation at once.
 

@@ -32,7 +32,7 @@ _SPARE: Final = 8
 """Bytes by which a middleware may pad the end of a message, to a multiple of 4 or 8, and one more."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Decoded:
     """Messages of one type.
 

@@ -105,7 +105,7 @@ class Template:
         items[places] = self._many(words)
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Payloads(Sequence[bytes]):
     """Messages of one size. Their bytes are laid out when they are asked for, or straight where they are wanted.
 

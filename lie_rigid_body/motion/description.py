@@ -40,7 +40,7 @@ LINGERING: Final = 0.01
 the time, while that of a nearly symmetric top circles evenly."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Flips:
     """When the body rate along the intermediate axis changes its sign, so that this axis turns over.
 
@@ -63,7 +63,7 @@ class Flips:
     sudden: bool
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Circulation:
     """How a motion that is not steady circulates about a principal axis.
 
@@ -98,7 +98,7 @@ class Circulation:
     flips: Flips | None
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class MotionConstants:
     """The regime of a motion, and its circulation unless it is steady."""
 
@@ -162,7 +162,7 @@ def _angle(across: Decimal, along: Decimal) -> float:
     return math.atan2(float(across / size), float(along / size))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class PrincipalAxis:
     """One principal axis: its moment, its direction in the body frame, and the stability of a spin about it.
 
@@ -174,7 +174,7 @@ class PrincipalAxis:
     spin: SpinStability
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class FixedAxisRotation:
     """A rotation about a fixed axis.
 
@@ -193,7 +193,7 @@ class FixedAxisRotation:
     turn_s: float
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class BodyMomentum:
     """A component of the body momentum Mω that stays constant, along a direction of the body frame."""
 
@@ -201,7 +201,7 @@ class BodyMomentum:
     momentum_kg_m2_s: float
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Description:
     """Everything about a body and its motion that does not depend on time.
 

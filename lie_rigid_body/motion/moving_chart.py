@@ -80,7 +80,7 @@ DEFAULT_STEP: Final = 0.001
 """Largest step, s, of methods that do not limit the turn of a step, where none is asked for."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Method:
     """A stepper of rotations.
 

@@ -39,7 +39,7 @@ END_OF_TIME: Final = 2**62
 """A time since a start that no run reaches, ns."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Fault:
     """One fault of a sensor, from its begin to its end.
 

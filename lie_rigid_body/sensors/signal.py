@@ -87,7 +87,7 @@ class Converter:
         return self.resolution * self.resolution / 12.0
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Signal:
     """One quantity of an instrument before its converter.
 

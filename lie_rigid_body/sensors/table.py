@@ -81,7 +81,7 @@ for _sensor in (IMU_SENSOR, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR):
     SENSORS.register(_sensor)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Sensors:
     """The sensors on the body. Build them with `from_values`, which validates.
 

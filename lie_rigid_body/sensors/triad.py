@@ -188,7 +188,7 @@ class TriadFaultInjector:
         return held
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class TriadModel:
     """The model of a triad that measures the true quantity x, given in the body frame.
 

@@ -38,7 +38,7 @@ long."""
 _BEGIN: Final = attrgetter("begin_ns")
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SimulationStep:
     """Samples of the truth and readings of the sensors that were taken from a simulation at once, all of one segment.
 

@@ -17,7 +17,7 @@ from lie_rigid_body.sensors import SENSORS, Signal
 from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Samples:
     """States and their stamps.
 
@@ -54,7 +54,7 @@ class Samples:
         return Samples(stamps_ns, states, self.centre.joined(later.centre))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SensorSamples:
     """Readings of a sensor with their times.
 

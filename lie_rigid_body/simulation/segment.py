@@ -25,7 +25,7 @@ MAX_SCENARIO_TEXT: Final = 1024 * 1024
 knot of a path."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SampleClock:
     """Stamps by sample number: ``epoch_ns + round(k · 1e9 / rate)``, in exact arithmetic.
 
@@ -99,7 +99,7 @@ class SampleClock:
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Segment:
     """The torque-free motion between two resets, as a bag declares it.
 

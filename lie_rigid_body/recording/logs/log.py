@@ -20,7 +20,7 @@ SENSORS: Final = (GYRO, ACCELEROMETER, MAGNETOMETER)
 _ROS_1: Final = ".bag"
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Log:
     """Readings of a log in SI units, in the order of the file, whatever is wrong with them.
 

@@ -28,7 +28,7 @@ _LATIN: Final = re.compile("[\udc80-\udcff]")
 """Bytes that are not UTF-8, as Python stands them in: older loggers write ° and µ in Latin-1."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class TextSource:
     """A text file.
 
