@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from lie_rigid_body.certificate.stamps import StampTally, stamp_law
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
@@ -25,7 +26,7 @@ from lie_rigid_body.recording.topic_messages import TakeReadings
 from lie_rigid_body.simulation import Segment
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class SurveyedSegment:
     """A segment and how complete it is.
 
@@ -154,7 +155,7 @@ class Counts:
             yield poses, twists
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Survey:
     """Result of a first pass through a bag.
 

@@ -63,7 +63,8 @@ def short_dataclass(owner: type[Any] | None = None, /, **options: bool) -> Any:
     """
 
     def decorated(owner: type[Any]) -> type[Any]:
-        owner.__repr__ = short_repr  # type: ignore[assignment]
+        if "__repr__" not in vars(owner):
+            owner.__repr__ = short_repr  # type: ignore[assignment]
         made: type[Any] = dataclasses.dataclass(repr=False, **{"frozen": True, **options})(owner)
         return made
 

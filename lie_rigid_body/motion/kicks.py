@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from typing import Final
 
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import NS, decimal_ns
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.motion import Motion, states_at
@@ -30,7 +31,7 @@ _MAX_TIME: Final = 2**62
 """Largest time of a kick or a period, ns."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Kicks:
     """The times of kicks, and the body rates right after them. Arc 0 comes before the first kick, arc k after the kth.
 

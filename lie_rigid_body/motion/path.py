@@ -8,7 +8,6 @@ acceleration is continuous as well. No law of mechanics is asked for, so that no
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
@@ -178,7 +178,7 @@ class PosePath:
         return float(np.sqrt(np.mean(norm(self.mass_centre(times).acceleration) ** 2)))
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class PathTranslation:
     """The motion of the mass centre along a path."""
 

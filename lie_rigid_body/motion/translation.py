@@ -7,7 +7,6 @@ A force through the mass centre makes no torque, so the two halves know nothing 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Protocol
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import NS, Vector
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.mass_centre import MassCentre
@@ -29,7 +29,7 @@ class Translation(Protocol):
         """The mass centre at N times, ns since the start."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class UniformAndMore:
     """A mass centre that moves evenly, and beside that in another way: x₀ + v₀ t + x(t).
 
@@ -53,7 +53,7 @@ class UniformAndMore:
         return MassCentre(position, self.velocity + more.velocity, more.acceleration)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Fall:
     """A fall from rest, −½ g t² ẑ, by the gravity g, m/s². Without gravity it is a rest."""
 
@@ -66,7 +66,7 @@ class Fall:
         return MassCentre((0.5 * seconds * seconds) * fall, seconds * fall, np.tile(fall, (len(t_ns), 1)))
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Sway:
     """A sum of harmonics, which slows to a stop when a rest begins, and gathers speed when it ends.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
@@ -105,7 +105,7 @@ def nanoseconds(seconds: float) -> int:
     return round(seconds * NS)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Window:
     """Time in which faults come and go, ns since the segment's start; the end is not part of it."""
 
@@ -132,7 +132,7 @@ class Window:
         return np.asarray((times_ns >= self.begin_ns) & (times_ns < self.end_ns))
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class IntermittentFault:
     """Episodes of one kind: one in each interval from the window's begin on, at a place in it that the seed decides.
 
@@ -213,7 +213,7 @@ class IntermittentFault:
                 yield number, begin, min(begin + self.duration_ns, self.window.end_ns)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class FaultModel(ABC):
     """The faults of one part of a sensor. `from_values` makes them of parameters with the names of the fields.
 
@@ -269,7 +269,7 @@ class FaultModel(ABC):
         """
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class TransportFaults(FaultModel):
     """Faults on the way of a sensor's readings to whoever listens.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from typing import Any, Final
 
@@ -13,6 +12,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Vector, require_at_most
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
@@ -55,7 +55,7 @@ _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
 
 
-@dataclass(frozen=True, repr=False)
+@short_dataclass
 class ImuModel(SensorModel):
     """The model of an IMU. Its frame has the body's axes, but for the misalignments, at the end of the lever arm.
 

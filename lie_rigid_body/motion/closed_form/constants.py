@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from functools import lru_cache
 from typing import Any, Final, NamedTuple, TypeAlias
@@ -19,6 +18,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import PI, Tensor, Vector, dot, root, working_precision
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.attitude import AttitudeConstants, Four, Three, attitude_map, world_rotation
@@ -39,7 +39,7 @@ from lie_rigid_body.motion.motion import exact_inertia
 _INFINITY: Final = Decimal("Infinity")
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Polhode:
     """The closed path of the body rate in the body, and the motion along it.
 
@@ -126,7 +126,7 @@ def frame_and_polhode(inertia: Tensor, body_rate: Sequence[float]) -> tuple[Prin
     return frame, Polhode.of(frame, determinant)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Periods:
     """Quarter periods of a polhode's elliptic functions, and the places of a pole, in the unit of u.
 

@@ -10,11 +10,11 @@ doubles have.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import MAX_PREC, Decimal
 from typing import Final
 
 from lie_rigid_body.arithmetic.decimals import PrincipalAxes, Tensor, Vector, diagonalised, dot, working_precision
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 DIAGONAL_DIGITS: Final = 50
 """Decimal digits where the inertia is diagonal: no sum cancels, and time multiplies some rates by 1e10 rad."""
@@ -84,7 +84,7 @@ def principal_axes(inertia: Tensor, digits: int) -> PrincipalAxes:
     return (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k])
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class PrincipalFrame:
     """A right-handed frame of principal axes, in which the momentum circulates about the positive third axis.
 

@@ -11,7 +11,6 @@ All arithmetic but that of `CyclicFrame.outward` is decimal, in the precision in
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
 from typing import Final
@@ -20,6 +19,7 @@ import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import Tensor, Vector, diagonalised, dot
 from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
@@ -27,7 +27,7 @@ DIGITS: Final = 60
 """Decimal digits that the constants of a motion are computed with."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class CyclicFrame:
     """The principal axes of a body, that of the intermediate moment second, in a cyclic order of the body's own.
 
@@ -89,7 +89,7 @@ class CyclicFrame:
         return quaternion.conjugate(np.array(self.rotation, np.float64)), np.array(rows, np.float64)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class DimensionlessMotion:
     """A torque-free motion in the principal frame, in units of its own momentum and its largest body rate.
 

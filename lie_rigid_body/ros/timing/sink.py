@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Protocol
 
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.simulation import Segment
@@ -15,7 +15,7 @@ MAX_BATCH: Final = 250
 """Largest number of samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Punctuality:
     """Counts of the samples that a run has sent so far, and their lateness.
 
