@@ -99,9 +99,9 @@ class Kicks:
     def arcs(self, t_ns: Integers | int) -> Integers:
         """Numbers of the arcs at some times, ns: a kick's own time belongs to the arc after it."""
         if not self.period_ns:
-            return np.asarray(np.searchsorted(self.t_ns, t_ns, side="right"))
+            return np.searchsorted(self.t_ns, t_ns, side="right")
         laps, rest = np.divmod(np.maximum(t_ns, 0), self.period_ns)
-        return np.asarray(laps * len(self) + np.searchsorted(self.t_ns, rest, side="right"))
+        return laps * len(self) + np.searchsorted(self.t_ns, rest, side="right")
 
     def arc(self, t_ns: int) -> int:
         """Number of the arc at one time, ns."""
@@ -123,7 +123,7 @@ class Kicks:
 
     def rate(self, arc: int | Integers) -> Array:
         """Body rate, rad/s, right after the kick that begins an arc from 1 on; of N arcs shape (N, 3)."""
-        return np.asarray(self.body_rate[(arc - 1) % len(self)])
+        return self.body_rate[(arc - 1) % len(self)]
 
     def until(self, t_ns: int) -> tuple[Integers, Array]:
         """Times, ns, and body rates, rad/s, of all kicks up to a time, ns."""

@@ -444,7 +444,7 @@ def _rate_bounds(body: RigidBody, starts: State) -> Array:
         sizes = norm(starts.body_rate[lost])
         unit = State.trusted(starts.attitude_xyzw[lost], starts.body_rate[lost] / sizes[:, np.newaxis])
         bounds[lost] = sizes * np.sqrt(2.0 * body.kinetic_energy(unit)) / math.sqrt(smallest)
-    return np.asarray(bounds)
+    return bounds
 
 
 def _require_normal(body: RigidBody, starts: State) -> None:

@@ -129,7 +129,7 @@ class Window:
 
     def holds(self, times_ns: Integers) -> Booleans:
         """Tell of each time whether it is in the window, shape (N,)."""
-        return np.asarray((times_ns >= self.begin_ns) & (times_ns < self.end_ns))
+        return (times_ns >= self.begin_ns) & (times_ns < self.end_ns)
 
 
 @short_dataclass
@@ -324,7 +324,7 @@ class TransportFaults(FaultModel):
         if not self.dropout_probability:
             return np.zeros(len(times_ns), dtype=np.bool_)
         drawn = self.draws("dropout").of(numbers)[:, 0]
-        return np.asarray((drawn < self.dropout_probability) & self.window.holds(times_ns))
+        return (drawn < self.dropout_probability) & self.window.holds(times_ns)
 
     def delays_ns(self, first: int, count: int) -> Integers:
         """Delays of some readings, ns: latency and jitter, by which alone one could overtake another."""
@@ -357,7 +357,7 @@ class TransportFaults(FaultModel):
     def error_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
         """Lead of the sensor's clock at some times, ns; see `stamps_ns`."""
         drift = np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
-        return np.asarray(nanoseconds(self.clock_offset) + drift)
+        return nanoseconds(self.clock_offset) + drift
 
     def measured_ns(self, stamps_ns: Integers, epoch_ns: int) -> Integers:
         """Times at which the sensor's clock shows some stamps, to 8 ns; see `stamps_ns`.
@@ -366,7 +366,7 @@ class TransportFaults(FaultModel):
         """
         since = stamps_ns - nanoseconds(self.clock_offset) - epoch_ns
         drift = np.rint(since * (self.clock_skew / (1.0 + self.clock_skew))).astype(np.int64)
-        return np.asarray(epoch_ns + since - drift)
+        return epoch_ns + since - drift
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
         """Faults of the delivery in a stretch of time; see `FaultModel`."""

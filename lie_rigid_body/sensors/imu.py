@@ -183,7 +183,7 @@ class IntegratedRate:
         self._times = times[-1:]
         self._attitudes = attitudes[-1:]
         turns = quaternion.log(quaternion.multiply(quaternion.conjugate(attitudes[:-1]), attitudes[1:]))
-        return np.asarray(turns / (intervals / 1e9)[:, np.newaxis])
+        return turns / (intervals / 1e9)[:, np.newaxis]
 
 
 class SpecificForce:

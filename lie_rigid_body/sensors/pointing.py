@@ -108,7 +108,7 @@ class AttitudeSensorModel(SensorModel):
         across = self.cross_boresight_noise**2
         along = self.roll_noise**2
         sight = quaternion.rotate(attitude_xyzw, np.array(self.boresight))
-        return np.asarray(across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis]))
+        return across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis])
 
 
 def direction(values: Values, name: str) -> Vector:

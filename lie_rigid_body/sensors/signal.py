@@ -78,7 +78,7 @@ class Converter:
         step = self.resolution
         # the last multiple of the resolution
         largest = min(float(np.floor(limit / step * (1.0 + _ROUND_OFF))) * step, limit) if step else limit
-        return np.asarray(np.clip(values, -largest, largest))
+        return np.clip(values, -largest, largest)
 
     @property
     def variance(self) -> float:

@@ -76,7 +76,7 @@ class TriadFaults(FaultModel):
         age = times_ns - self.window.begin_ns
         duration = nanoseconds(self.temperature_drift_duration)
         share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
-        return np.asarray(share[:, np.newaxis] * self.drifted)
+        return share[:, np.newaxis] * self.drifted
 
     def spikes(self, first: int, times_ns: Integers) -> Array:
         """Spikes in some readings, shape (N, 3), unit; see `TransportFaults.lost` for the arguments."""
@@ -252,7 +252,7 @@ class TriadModel:
     @property
     def sensitivity(self) -> Array:
         """S R(μ)ᵀ, which takes body components of the truth to the sensor's axes; shape (3, 3)."""
-        return np.asarray(np.array(self.scale_factor)[:, np.newaxis] * so3.exp(self.misalignment).T)
+        return np.array(self.scale_factor)[:, np.newaxis] * so3.exp(self.misalignment).T
 
     @property
     def linear_errors(self) -> Array:
