@@ -7,8 +7,9 @@ fields.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -235,37 +236,30 @@ class FramedNumbers:
     numbers: list[Vector] = field(default_factory=list)
 
 
-def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read nav_msgs/Odometry, by frame and child frame.
+def _decoded(payloads: Sequence[bytes], numbers: int, *, counted: bool = False) -> dict[Frames, FramedNumbers]:
+    """Read messages of a header, a child frame and so many numbers, or of a counted number of such parts.
 
     Raises
     ------
     BagError
         Naming the first message that is not such a payload.
     """
-    # pose and its covariance, twist and its covariance
-    return _decoded(payloads, lambda fields: 1, POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
-
-
-def decode_transform(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read geometry_msgs/TransformStamped, by frame and child frame; see `decode_odometry`."""
-    return _decoded(payloads, lambda fields: 1, POSE_NUMBERS)
-
-
-def decode_transforms(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read tf2_msgs/TFMessage, by frame and child frame; see `decode_odometry`."""
-    return _decoded(payloads, _Fields.word, POSE_NUMBERS)
-
-
-def _decoded(payloads: Sequence[bytes], count: Callable[[_Fields], int], numbers: int) -> dict[Frames, FramedNumbers]:
-    """Read messages of ``count(fields)`` parts, each of a header, a child frame and so many numbers."""
     found: dict[Frames, FramedNumbers] = {}
     for index, payload in enumerate(payloads):
         fields = _Fields(payload, index)
-        for _ in range(count(fields)):
+        for _ in range(fields.word() if counted else 1):
             fields.read(found, numbers)
         fields.end()
     return found
+
+
+# pose and its covariance, twist and its covariance
+decode_odometry: Final = partial(_decoded, numbers=POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
+"""A function that reads nav_msgs/Odometry, by frame and child frame."""
+decode_transform: Final = partial(_decoded, numbers=POSE_NUMBERS)
+"""A function that reads geometry_msgs/TransformStamped, by frame and child frame."""
+decode_transforms: Final = partial(_decoded, numbers=POSE_NUMBERS, counted=True)
+"""A function that reads tf2_msgs/TFMessage, by frame and child frame."""
 
 
 class _Fields:

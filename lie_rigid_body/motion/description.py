@@ -98,23 +98,15 @@ class Circulation:
     flips: Flips | None
 
 
-@short_dataclass
-class MotionConstants:
-    """The regime of a motion, and its circulation unless it is steady."""
-
-    regime: Regime
-    circulation: Circulation | None
-
-    @classmethod
-    def of(cls, body: RigidBody, start: State) -> MotionConstants:
-        """The constants of the motion of a body from a start of one instant, each rounded once."""
-        inertia = exact_inertia(body)
-        rate = start.body_rate.tolist()
-        with working_precision(digits_for(inertia)):
-            if is_steady(inertia, rate):
-                return cls("steady" if any(rate) else "rest", None)
-            frame, polhode = frame_and_polhode(inertia, rate)
-            return cls(_regime(frame, polhode), _circulation(frame, polhode))
+def _constants(body: RigidBody, start: State) -> tuple[Regime, Circulation | None]:
+    """The regime of a motion from a start of one instant, and its circulation unless it is steady."""
+    inertia = exact_inertia(body)
+    rate = start.body_rate.tolist()
+    with working_precision(digits_for(inertia)):
+        if is_steady(inertia, rate):
+            return "steady" if any(rate) else "rest", None
+        frame, polhode = frame_and_polhode(inertia, rate)
+        return _regime(frame, polhode), _circulation(frame, polhode)
 
 
 def _regime(frame: PrincipalFrame, polhode: Polhode) -> Regime:
@@ -274,8 +266,7 @@ def describe(body: RigidBody, start: State) -> Description:
     """
     require_one(body, start)
     kind = kind_of_top(body)
-    constants = MotionConstants.of(body, start)
-    circulation = constants.circulation
+    regime, circulation = _constants(body, start)
     if circulation is not None and kind != "asymmetric":
         circulation = replace(circulation, flips=None)
     first, second, third = (_principal_axis(body, start, i) for i in range(3))
@@ -288,8 +279,8 @@ def describe(body: RigidBody, start: State) -> Description:
         kinetic_energy_j=energy,
         angular_momentum_kg_m2_s=math.hypot(*body.body_momentum(start)),
         world_momentum_kg_m2_s=_vector(body.angular_momentum(start)),
-        regime=constants.regime,
-        steady=_steady_rotation(body, start) if constants.regime == "steady" else None,
+        regime=regime,
+        steady=_steady_rotation(body, start) if regime == "steady" else None,
         circulation=circulation,
         symmetric_top=SymmetricTop.of(body, start),
         conserved_body_momenta=tuple(

@@ -57,6 +57,11 @@ def numbers(name: str, default: Vector, description: str) -> Parameter:
     return Parameter(name, "double_array", default, description, lengths=(len(default),))
 
 
+def seed(name: str, description: str) -> Parameter:
+    """A parameter that is a seed of random numbers."""
+    return Parameter(name, "int", 0, description, minimum=0, maximum=2**63 - 1)
+
+
 def harmonics_parameters(name: str, what: str, band: tuple[float, float]) -> tuple[Parameter, Parameter]:
     """Parameters of a sum of harmonics on three axes: its RMS, and the band of its frequencies."""
     return (

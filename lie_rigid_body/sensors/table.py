@@ -11,7 +11,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.fault import STREAMS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
-from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches
+from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches, seed
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 
@@ -19,14 +19,7 @@ MIN_RATE: Final = 1e-6
 """Smallest sampling rate of a sensor, Hz."""
 _SHARED: Final = (
     Parameter("imu_frame", "string", "imu_link", "Name of the frame of the IMU and the magnetometer."),
-    Parameter(
-        "sensor_seed",
-        "int",
-        0,
-        "Seed of all noise: the same seed gives the same bytes.",
-        minimum=0,
-        maximum=2**63 - 1,
-    ),
+    seed("sensor_seed", "Seed of all noise: the same seed gives the same bytes."),
     Parameter(
         GRADE,
         "string",
