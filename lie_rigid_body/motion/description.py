@@ -106,13 +106,8 @@ def _constants(body: RigidBody, start: State) -> tuple[Regime, Circulation | Non
         if is_steady(inertia, rate):
             return "steady" if any(rate) else "rest", None
         frame, polhode = frame_and_polhode(inertia, rate)
-        return _regime(frame, polhode), _circulation(frame, polhode)
-
-
-def _regime(frame: PrincipalFrame, polhode: Polhode) -> Regime:
-    if polhode.m1 == 0:
-        return "separatrix"
-    return "about_largest" if frame.sense > 0 else "about_smallest"
+        regime: Regime = "about_largest" if frame.sense > 0 else "about_smallest"
+        return regime if polhode.m1 else "separatrix", _circulation(frame, polhode)
 
 
 def _circulation(frame: PrincipalFrame, polhode: Polhode) -> Circulation:

@@ -33,7 +33,7 @@ from lie_rigid_body.motion.closed_form.frame import (
     separatrix_determinant,
 )
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, PeriodicPrecession, RealTheta
-from lie_rigid_body.motion.closed_form.states import BodyMotion, LargeModulus, Separatrix, SmallModulus, Steady
+from lie_rigid_body.motion.closed_form.states import BodyMotion, LargeModulus, SmallModulus, Steady
 from lie_rigid_body.motion.motion import exact_inertia
 
 _INFINITY: Final = Decimal("Infinity")
@@ -196,7 +196,7 @@ def motion_of(body: RigidBody, start: State) -> BodyMotion:
 def _steady(body_rate: Sequence[float], attitude: Four) -> Steady:
     x, y, z = (Decimal(component) for component in body_rate)
     speed = dot((x, y, z), (x, y, z)).sqrt()
-    a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
+    a, b, c = (float(component / (speed or 1)) for component in (x, y, z))
     across = quaternion.product(attitude, (a, b, c, 0.0))
     return Steady(half_turn_rate(speed), attitude, across, (float(x), float(y), float(z)))
 
@@ -235,8 +235,6 @@ def _general(
     placed = _attitude(frame, polhode, theta.periodic_precession(clock.initial_phase()), attitude)
     if polhode.is_far:
         return SmallModulus(clock, theta, turning, placed)
-    if polhode.m1 == 0:
-        return Separatrix(clock, theta, turning, placed)
     return LargeModulus(clock, theta, turning, frame.sense * theta.drift / (4.0 * math.pi), placed)
 
 
