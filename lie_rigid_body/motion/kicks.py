@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import field
 from itertools import pairwise
 from typing import Final
 
@@ -29,6 +28,8 @@ MAX_KICKS: Final = 1000
 """Largest number of kicks in a list."""
 _MAX_TIME: Final = 2**62
 """Largest time of a kick or a period, ns."""
+_FOREVER: Final = 2**63 - 1
+"""Period of kicks that come once, ns."""
 
 
 @short_dataclass(eq=False)
@@ -45,8 +46,8 @@ class Kicks:
         Time after which the kicks come again, ns; 0: they come once.
     """
 
-    t_ns: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    body_rate: Array = field(default_factory=lambda: np.empty((0, 3)))
+    t_ns: Integers
+    body_rate: Array
     period_ns: int = 0
 
     @classmethod
@@ -98,9 +99,7 @@ class Kicks:
 
     def arcs(self, t_ns: Integers | int) -> Integers:
         """Numbers of the arcs at some times, ns: a kick's own time belongs to the arc after it."""
-        if not self.period_ns:
-            return np.searchsorted(self.t_ns, t_ns, side="right")
-        laps, rest = np.divmod(np.maximum(t_ns, 0), self.period_ns)
+        laps, rest = np.divmod(np.maximum(t_ns, 0), self.period_ns or _FOREVER)
         return laps * len(self) + np.searchsorted(self.t_ns, rest, side="right")
 
     def arc(self, t_ns: int) -> int:

@@ -22,7 +22,7 @@ from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.state import UNIT_NORM_TOLERANCE
 from lie_rigid_body.motion.mass_centre import MassCentre
-from lie_rigid_body.motion.motion import nanoseconds
+from lie_rigid_body.motion.motion import states_at
 
 KNOT_NUMBERS: Final = 8
 """Numbers of a knot: its time, s, its position, m, and its attitude, scalar last."""
@@ -157,9 +157,7 @@ class PosePath:
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns since the start; see `Motion.at`. Signs of quaternions are continuous."""
-        times = nanoseconds(t_ns)
-        attitude, rate = self._samples(np.atleast_1d(times))
-        return State.trusted(attitude.reshape(*times.shape, 4), rate.reshape(*times.shape, 3))
+        return states_at(None, t_ns, self._samples)
 
     def angular_acceleration(self, t_ns: Integers) -> Array:
         """Angular acceleration in the body frame, rad/s², shape (N, 3), at N times, ns since the start."""

@@ -43,8 +43,6 @@ MAX_KICKS_PER_SAMPLE: Final = 100_000
 """Largest mean number of kicks from one sample to the next: they take minutes."""
 _STEPS_OF_A_KICK: Final = 64
 """Number of steps of the moving chart that take as long as a kick, about 1 ms."""
-_NOT_CARRIED: Final = "translation is not carried"
-_NO_PATH: Final = "motion is not path"
 _OF_MECHANICS: Final = (
     *("inertia", "initial_attitude_xyzw", "initial_body_rate", "kicks", "kick_period"),
     *("translation", "initial_position", "initial_velocity"),
@@ -176,16 +174,20 @@ class Scenario:
     @property
     def without_effect(self) -> list[str]:
         """Sentences, without their full stops, about parameters of what is off."""
-        unused = (
-            ("kick_period", not self.kicks, "there are no kicks"),
-            *((f"sway_{of}", self.translation != "carried", _NOT_CARRIED) for of in ("acceleration", "band", "seed")),
-            ("initial_velocity", self.translation == "none", "translation is none"),
-            *((f"path_{of}", self.motion != "path", _NO_PATH) for of in ("file", "interval", "knots")),
-        )
+        unused = {
+            "there are no kicks": (not self.kicks, ("kick_period",)),
+            "translation is not carried": (
+                self.translation != "carried",
+                ("sway_acceleration", "sway_band", "sway_seed"),
+            ),
+            "translation is none": (self.translation == "none", ("initial_velocity",)),
+            "motion is not path": (self.motion != "path", ("path_file", "path_interval", "path_knots")),
+        }
         return [
             *(
                 f"{name} has no effect, as {why}: give what switches it on"
-                for name, is_unused, why in unused
+                for why, (is_unused, names) in unused.items()
+                for name in names
                 if is_unused and getattr(self, name) != BY_NAME[name].default
             ),
             *without_effect(self._used_sensor_parameters()),

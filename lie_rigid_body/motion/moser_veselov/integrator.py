@@ -50,7 +50,8 @@ class MoserVeselovIntegrator:
             attitude = self._frame.inward(start.attitude_xyzw.tolist())
             x, y, z, w = map(from_decimal, attitude)
             self.constants = stepper_constants(motion, order, rotated(attitude, motion.momentum))
-            none_yet = Step((-1.0, 0.0), (ZERO, ZERO, ZERO), (ZERO, ZERO, ZERO), ZERO, (ZERO, ZERO, ZERO))
+            zeros = (ZERO, ZERO, ZERO)
+            none_yet = Step((-1.0, 0.0), zeros, zeros, ZERO, zeros)
             self.start = StepperState(_three(motion.momentum), (x, y, z, w), 0.0, none_yet)
             self.fastest = float(motion.fastest)
 

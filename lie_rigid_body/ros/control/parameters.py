@@ -75,8 +75,8 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         values.update(live_scenario(values).parameters())
         first = [_as_ros(each, values[each.name]) for each in PARAMETERS]
         # rclpy takes an empty list for one of bytes: what may be set later is declared by its type, and set after that
-        doubles = [given for given in first if given.type_ == RosParameter.Type.DOUBLE_ARRAY]
-        empty = [given for given in doubles if not given.value and given.name not in FIXED]
+        double_array = RosParameter.Type.DOUBLE_ARRAY
+        empty = [one for one in first if one.type_ == double_array and not one.value and one.name not in FIXED]
         declared = [given.type_ if given in empty else given.value for given in first]
         node.declare_parameters(
             "",
