@@ -111,13 +111,13 @@ class PrincipalFrame:
         """The frame of a motion that starts with this ω (body frame, rad/s) and is not steady."""
         moments, axes = principal
         if not about_largest:
-            moments = moments[2], moments[1], moments[0]
-            axes = axes[2], axes[1], axes[0]
+            moments = moments[::-1]
+            axes = axes[::-1]
         first = _along(axes[0], body_rate)
         third = _along(axes[2], body_rate)
         axes = (first, cross(third, first), third)
-        rate = (dot(axes[0], body_rate), dot(axes[1], body_rate), dot(axes[2], body_rate))
-        return cls(moments, axes, rate, 1 if about_largest else -1)
+        x, y, z = (dot(axis, body_rate) for axis in axes)
+        return cls(moments, axes, (x, y, z), 1 if about_largest else -1)
 
 
 def _along(axis: Vector, direction: Vector) -> Vector:
