@@ -189,16 +189,11 @@ class StampTally:
         self._clock = clock
         self._noun = noun
         self._shown = shown
-        self.count = 0
-        self.low = 0
+        self.count = self.low = self._previous = self._displaced = self._off = self._farthest = 0
         self.high = -1
-        self._previous = 0
         self._there = NumberRuns()
-        self._displaced = 0
         self._earliest = int(np.iinfo(np.int64).max)
         self._pairs = list[str]()
-        self._off = 0
-        self._farthest = 0
         self._worst = (0, 0)
 
     def add(self, stamps_ns: Integers) -> None:

@@ -82,7 +82,7 @@ class Kicks:
                 f"{period:.15g} s is not longer than the time of the last kick, {rows[-1, 0]:.15g} s: give a longer "
                 "period, or 0 for kicks that come once",
             )
-        return cls(np.array(times, dtype=np.int64), rows[:, 1:].copy(), period_ns if times else 0)
+        return cls(np.array(times, dtype=np.int64), rows[:, 1:], period_ns if times else 0)
 
     def __len__(self) -> int:
         return len(self.t_ns)

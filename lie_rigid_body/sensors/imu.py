@@ -93,18 +93,14 @@ class ImuModel(SensorModel):
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], 1e6, "m")
         require_band("vibration_band", values["vibration_band"])
+        names = ("gyro_rate", "accelerometer_mode", "gravity", "vibration_acceleration", "vibration_band")
+        told = OrientationModel(**values_of(OrientationModel, sensor, values)) if values["imu_orientation"] else None
         return {
-            "gyro_rate": values["gyro_rate"],
+            **{name: values[name] for name in names},
             "gyro": TriadModel.from_values("gyro", values),
             "accelerometer": TriadModel.from_values("accelerometer", values),
-            "accelerometer_mode": values["accelerometer_mode"],
-            "gravity": values["gravity"],
             "lever_arm": values["accelerometer_lever_arm"],
-            "vibration_acceleration": values["vibration_acceleration"],
-            "vibration_band": values["vibration_band"],
-            "orientation": (
-                OrientationModel(**values_of(OrientationModel, sensor, values)) if values["imu_orientation"] else None
-            ),
+            "orientation": told,
         }
 
     @property
