@@ -43,8 +43,8 @@ def facts(scenario: Scenario) -> dict[str, str]:
 
 
 def _mass_centre(scenario: Scenario) -> str:
-    position = numerals(scenario.initial_position)
-    start = f"{scenario.translation} from [{position}] m at [{numerals(scenario.initial_velocity)}] m/s"
+    position, velocity = map(numerals, (scenario.initial_position, scenario.initial_velocity))
+    start = f"{scenario.translation} from [{position}] m at [{velocity}] m/s"
     if scenario.translation == "thrown":
         return f"{start}, with a gravity of {scenario.value('gravity'):g} m/s²"
     low, high = scenario.sway_band

@@ -238,8 +238,8 @@ def _general(
     return LargeModulus(clock, theta, turning, frame.sense * theta.drift / (4.0 * math.pi), placed)
 
 
-class Kind(NamedTuple):
-    """A kind of number: how to make one of a decimal, π, and functions."""
+class Arithmetic(NamedTuple):
+    """The arithmetic of a kind of number: how to make one of a decimal, π, and functions."""
 
     of: Callable[[Decimal], Any]
     pi: Any
@@ -248,20 +248,22 @@ class Kind(NamedTuple):
     sine: Callable[[Any], Any]
 
 
-FLOATS: Final = Kind(float, math.pi, math.exp, math.expm1, math.sin)
+FLOATS: Final = Arithmetic(float, math.pi, math.exp, math.expm1, math.sin)
 """Doubles, of which the samples are made."""
 
 
-def theta_functions(polhode: Polhode, periods: Periods, kind: Kind) -> RealTheta | ImaginaryTheta:
-    """The elliptic functions of a polhode, whose constants are numbers of some kind."""
+def theta_functions(polhode: Polhode, periods: Periods, arithmetic: Arithmetic) -> RealTheta | ImaginaryTheta:
+    """The elliptic functions of a polhode, whose constants are numbers of some arithmetic."""
     places = periods.pole, periods.copole
     if polhode.is_far:
-        exponents = [-kind.pi * kind.of(place / periods.real) for place in places]
-        decay, codecay = map(kind.exp, exponents)
-        return RealTheta.of(decay * codecay, decay, codecay, -kind.expm1(exponents[0]))
-    sine, cosine = (kind.sine(kind.of(PI * place / (2 * periods.imaginary))) for place in places)
-    quarter = kind.of(PI * periods.real / (2 * periods.imaginary))
-    return ImaginaryTheta.of(kind.exp(-2 * quarter), quarter, sine, cosine, kind.of(periods.pole / periods.real))
+        exponents = [-arithmetic.pi * arithmetic.of(place / periods.real) for place in places]
+        decay, codecay = map(arithmetic.exp, exponents)
+        return RealTheta.of(decay * codecay, decay, codecay, -arithmetic.expm1(exponents[0]))
+    sine, cosine = (arithmetic.sine(arithmetic.of(PI * place / (2 * periods.imaginary))) for place in places)
+    quarter = arithmetic.of(PI * periods.real / (2 * periods.imaginary))
+    return ImaginaryTheta.of(
+        arithmetic.exp(-2 * quarter), quarter, sine, cosine, arithmetic.of(periods.pole / periods.real)
+    )
 
 
 def _attitude(

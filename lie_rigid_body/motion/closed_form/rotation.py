@@ -13,8 +13,8 @@ from lie_rigid_body.arithmetic.decimals import NANOSECOND, PI, Tensor, dot, sine
 from lie_rigid_body.lie.quaternion import product
 from lie_rigid_body.motion.closed_form.attitude import Three, untilted
 from lie_rigid_body.motion.closed_form.constants import (
+    Arithmetic,
     Constants,
-    Kind,
     Periods,
     Polhode,
     constants_of,
@@ -29,7 +29,9 @@ Rotation: TypeAlias = tuple[Decimal, ...]
 
 DIGITS: Final = 28
 """Decimal digits of what is not multiplied by a time."""
-DECIMALS: Final = Kind(Decimal, PI, Decimal.exp, lambda x: x.exp() - 1, lambda x: sine_cosine_of_turns(x / (2 * PI))[0])
+DECIMALS: Final = Arithmetic(
+    Decimal, PI, Decimal.exp, lambda x: x.exp() - 1, lambda x: sine_cosine_of_turns(x / (2 * PI))[0]
+)
 """Decimals in the precision in force."""
 
 
