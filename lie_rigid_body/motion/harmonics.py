@@ -8,6 +8,7 @@ costs as much as the sines of all harmonics, a time near it one polynomial.
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import Final
 
 import numpy as np
@@ -92,7 +93,9 @@ class Harmonics:
         phases = units / _TURN + self._turns
         sine, cosine = sine_cosine((phases - np.rint(phases), np.zeros_like(phases)))
         derivatives = (cosine, -sine, -cosine, sine)
-        return np.stack([_sum(scale * derivatives[power % 4]).T for power, scale in enumerate(self._coefficients)])
+        terms = (scale * derivatives[power % 4] for power, scale in enumerate(self._coefficients))
+        # one term after the other: libraries differ in the order of their sums
+        return np.stack([reduce(np.add, each.T) for each in terms])
 
 
 def _coefficients(amplitude: Array, angular_frequency: Array) -> list[Array]:
@@ -101,14 +104,6 @@ def _coefficients(amplitude: Array, angular_frequency: Array) -> list[Array]:
     for power in range(1, _ORDER + 1):
         scales.append(scales[-1] * angular_frequency / power)
     return scales
-
-
-def _sum(terms: Array) -> Array:
-    """Sum over the last axis, one term after the other: libraries differ in the order of theirs."""
-    total = terms[..., 0].copy()
-    for j in range(1, terms.shape[-1]):
-        total += terms[..., j]
-    return total
 
 
 def _evaluate(polynomials: Array, places: Integers, seconds: Array) -> MassCentre:

@@ -137,6 +137,9 @@ class PosePath:
         """Number of knots."""
         return len(self.knots.t_ns)
 
+    def __deepcopy__(self, memo: object) -> PosePath:
+        return self  # nothing of it changes
+
     def _inside(self, t_ns: Integers) -> tuple[Array, Array]:
         """The nearest times between the first knot and the last, s, and what is beyond them, s, shape (N, 1)."""
         inside = np.clip(t_ns, self.knots.t_ns[0], self.last_ns)
