@@ -99,7 +99,7 @@ def wall_around_referee(module: str, target: str) -> bool:
 
 def side(module: str) -> str:
     name = module.removeprefix(MOTION).removeprefix(".").partition(".")[0]
-    contract = dict.fromkeys(("motion", "kicks", "harmonics", "translation"), "contract")
+    contract = dict.fromkeys(("motion", "kicks", "harmonics", "mass_centre", "translation"), "contract")
     return {"": "all", **contract, "closed_form": "closed form", "description": "closed form"}.get(name, "moving chart")
 
 

@@ -102,13 +102,7 @@ def add(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
 @kernel
 def subtract(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
     """The difference a − b, to 2⁻¹⁰⁴ of the larger."""
-    ah, al = a
-    bh, bl = b
-    total = ah - bh
-    shadow = total - ah
-    rest = (ah - (total - shadow)) - (bh + shadow) + (al - bl)
-    hi = total + rest
-    return hi, rest - (hi - total)
+    return add(a, (-b[0], -b[1]))
 
 
 @kernel

@@ -29,7 +29,7 @@ _READING: Final = "reading_s"
 _SEED: Final = "sensor_seed"
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Point:
     """One point of a grid, on the runs of even number.
 
@@ -52,7 +52,7 @@ class Point:
     difference: Difference | None = None
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class EstimatorSummary:
     """An estimator over the runs in which it is scored: all, or with a grid those of odd number.
 
@@ -128,7 +128,7 @@ class Bound(NamedTuple):
     curve_deg: Array
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Comparison:
     """Estimators of a campaign.
 

@@ -52,7 +52,7 @@ _MAX_NAME_LENGTH: Final = 40
 _KEYS_OF_ONE: Final = ("function", "command", "parameters", "grid")
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Campaign:
     """Runs of one scenario, each with parameters of its own.
 
@@ -265,7 +265,7 @@ def _remade(text: str) -> Campaign:
     return Campaign(*json.loads(text))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class EstimatorSpec:
     """One of the estimators of a campaign.
 

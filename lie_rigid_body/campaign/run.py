@@ -174,7 +174,7 @@ def _simulated(campaign: Campaign, run: int) -> Run:
         return simulate(campaign.scenario_of(run), duration=campaign.duration)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class RunScore:
     """Score of an estimator in one run, of which JSON is made.
 

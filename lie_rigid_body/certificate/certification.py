@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor
 from lie_rigid_body.foundation.arrays import as_double
 from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.foundation.wording import counted, listed, shown
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording
@@ -26,7 +26,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class SegmentCertificate:
     """The laws held against the samples of one segment.
 
@@ -65,7 +65,7 @@ class SegmentCertificate:
         return None if law.stamp_ns is None else (law.stamp_ns - self.segment.start_ns) / 1e9
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Certificate(Shown):
     """The certificates of all segments of a bag, and the laws of the bag as a whole.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 
@@ -14,7 +14,7 @@ SHOWN: Final = 4
 """Number of samples of a broken law, or of faults of a kind, that are listed."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class LawResult:
     """The result of one law on one segment, or on a bag as a whole.
 
@@ -82,6 +82,21 @@ class Watch(Protocol):
         """Take the residuals of a law for the samples that come next."""
 
 
+class _Worst(NamedTuple):
+    """The residual of the largest weight, the first of several."""
+
+    weight: float = -np.inf
+    residual: float = 0.0
+    limit: float = 0.0
+    sample: int = 0
+    stamp_ns: int = 0
+
+    def or_among(self, weights: Array, *arrays: Array | Integers) -> _Worst:
+        """Whichever is larger, it or the largest of some weights, with residuals, limits, samples and stamps."""
+        i = int(np.argmax(weights))
+        return _Worst(*(array[i].item() for array in (weights, *arrays))) if weights[i] > self.weight else self
+
+
 class LawTally:
     """A law held against residuals as they come.
 
@@ -105,8 +120,7 @@ class LawTally:
         self._watch = watch
         self._checked = self._broken = self._last = 0
         self._first = list[int]()
-        self._largest = _Worst()
-        self._farthest = _Worst()
+        self._largest = self._farthest = _Worst()
 
     def add(
         self, residuals: Array, limits: Array | float | Callable[[], Array], samples: Integers, stamps_ns: Integers
@@ -135,13 +149,13 @@ class LawTally:
         self._checked += residuals.size
         holds = (residuals <= limits) | np.isinf(limits)
         if holds.all():
-            self._largest.add(residuals, residuals, limits, samples, stamps_ns)
+            self._largest = self._largest.or_among(residuals, residuals, limits, samples, stamps_ns)
         else:
             broken = ~holds
             weights = np.where(np.isnan(residuals), np.inf, residuals)
-            self._largest.add(weights, residuals, limits, samples, stamps_ns)
+            self._largest = self._largest.or_among(weights, residuals, limits, samples, stamps_ns)
             beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
-            self._farthest.add(beyond, residuals, limits, samples, stamps_ns)
+            self._farthest = self._farthest.or_among(beyond, residuals, limits, samples, stamps_ns)
             self._broken += int(np.count_nonzero(broken))
             self._first += samples[broken][: SHOWN - len(self._first)].tolist()
             self._last = int(samples[broken][-1])
@@ -163,23 +177,3 @@ class LawTally:
         if self._broken <= SHOWN:
             return f"{self._noun}s " + ", ".join(str(k) for k in self._first)
         return f"{self._broken} {self._noun}s from {self._first[0]} to {self._last}, worst at {worst}"
-
-
-class _Worst:
-    """The residual of the largest weight, the first of several."""
-
-    def __init__(self) -> None:
-        self._weight = -np.inf
-        self.residual = 0.0
-        self.limit = 0.0
-        self.sample = 0
-        self.stamp_ns = 0
-
-    def add(self, weights: Array, residuals: Array, limits: Array, samples: Integers, stamps_ns: Integers) -> None:
-        i = int(np.argmax(weights))
-        if weights[i] > self._weight:
-            self._weight = float(weights[i])
-            self.residual = float(residuals[i])
-            self.limit = float(limits[i])
-            self.sample = int(samples[i])
-            self.stamp_ns = int(stamps_ns[i])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -19,6 +19,7 @@ from lie_rigid_body.certificate.limits import (
     remedy,
 )
 from lie_rigid_body.foundation.arrays import Array, Integers, same_bits
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.samples import Block
@@ -50,7 +51,7 @@ _Judged: TypeAlias = tuple[Array, "Array | float"]
 """Residuals of a law, shape (N,), and their limits."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class SegmentResults:
     """Results of the laws of a segment.
 

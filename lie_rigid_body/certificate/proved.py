@@ -19,7 +19,7 @@ MAX_PROVED: Final = 10_000
 """Largest number of samples that are proved, which takes half a minute."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class ProvedSample:
     """Proved bounds of the errors of one sample.
 
@@ -54,7 +54,7 @@ class ProvedSample:
         return self.at_least <= self.limit
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Proof:
     """Proved errors of the enclosed samples of a bag."""
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -18,6 +17,7 @@ import numpy as np
 
 from lie_rigid_body.certificate.limits import max_attitude_error
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.samples import Measurement
@@ -33,7 +33,7 @@ _KEPT_BLOCKS: Final = 4
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Expected:
     """Expected readings of a sensor, with their uncertainty.
 
@@ -79,7 +79,7 @@ class Expected:
         return allowed
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class ReplayedBlock:
     """Consecutive replayed readings of one sensor.
 

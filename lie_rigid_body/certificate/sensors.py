@@ -28,7 +28,7 @@ from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SensorFindings:
     """Findings about the sensors of a bag.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import SHOWN, LawResult
 from lie_rigid_body.foundation.arrays import Booleans, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 
@@ -89,7 +89,7 @@ def without_lost(begins: Integers, ends: Integers, lost: Lost) -> tuple[Integers
     return np.concatenate([first, begun[rest]]), np.concatenate([last, ends[rest]])
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class StampFault:
     """Fault of the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
 
@@ -189,16 +189,11 @@ class StampTally:
         self._clock = clock
         self._noun = noun
         self._shown = shown
-        self.count = 0
-        self.low = 0
+        self.count = self.low = self._previous = self._displaced = self._off = self._farthest = 0
         self.high = -1
-        self._previous = 0
         self._there = NumberRuns()
-        self._displaced = 0
         self._earliest = int(np.iinfo(np.int64).max)
         self._pairs = list[str]()
-        self._off = 0
-        self._farthest = 0
         self._worst = (0, 0)
 
     def add(self, stamps_ns: Integers) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from lie_rigid_body.certificate.stamps import StampTally, stamp_law
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
@@ -25,7 +26,7 @@ from lie_rigid_body.recording.topic_messages import TakeReadings
 from lie_rigid_body.simulation import Segment
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class SurveyedSegment:
     """A segment and how complete it is.
 
@@ -80,7 +81,8 @@ class SegmentTally:
         self.segment = segment
         self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
         self._count = self._unpaired = self._alone_since = 0
-        self._first = self._last_ns = 0
+        self._first: int | None = None
+        self._last_ns: int | None = None
         self.logged_ns = MAX_EPOCH_NS
 
     @property
@@ -114,18 +116,8 @@ class SegmentTally:
             open_end=open_end and is_last,
             cut_off=cut_off and is_last,
         )
-        if not self._count:
-            return SurveyedSegment(self._place, segment, 0, None, None, law, late_start, 0)
-        return SurveyedSegment(
-            self._place,
-            segment,
-            self._count,
-            self._first,
-            self._last_ns,
-            law,
-            late_start,
-            self._unpaired,
-        )
+        first = self._first
+        return SurveyedSegment(self._place, segment, self._count, first, self._last_ns, law, late_start, self._unpaired)
 
 
 class Counts:
@@ -163,7 +155,7 @@ class Counts:
             yield poses, twists
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Survey:
     """Result of a first pass through a bag.
 

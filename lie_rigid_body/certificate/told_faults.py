@@ -53,8 +53,7 @@ class FaultLaw:
         self._segments = segments
         self._is_whole = is_whole
         # by all but their sizes, which few have: there may be a million
-        self._told = dict[Fault, int]()
-        self._sizes = dict[Fault, float]()
+        self._told = dict[Fault, tuple[int, float | None]]()
         self._count = self._last_ns = 0
         self._wrong: dict[str, tuple[int, str]] = {}
         self._worst: tuple[int, int] | None = None
@@ -83,9 +82,7 @@ class FaultLaw:
             if self._is_whole:
                 self._note("twice", where, fault.begin_ns, self._count)
         else:
-            self._told[key] = self._count
-            if fault.size is not None:
-                self._sizes[key] = fault.size
+            self._told[key] = self._count, fault.size
             if fault.begin_ns < self._last_ns:
                 self._note("out of order", where, fault.begin_ns, self._count)
             self._last_ns = max(self._last_ns, fault.begin_ns)
@@ -117,7 +114,7 @@ class FaultLaw:
             Latest time of an honest message, ns.
         """
         missing = self._missing(self._expected(min(max(until_ns, self._last_ns), horizon_ns)), until_ns)
-        for key, message in self._told.items():
+        for key, (message, _) in self._told.items():
             where = f"message {message} ({_in_words(key)})"
             self._note("of which the scenario makes none", where, key.begin_ns, message)
         if missing:
@@ -137,7 +134,7 @@ class FaultLaw:
         begun = self._is_whole
         for fault in expected:
             key = _without_size(fault)
-            if key in self._told and _are_alike(fault, self._sizes.get(key)):
+            if key in self._told and _are_alike(fault, self._told[key][1]):
                 del self._told[key]
                 missing += absent
                 begun = True

@@ -12,6 +12,7 @@ from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS, Value, Vector
+from lie_rigid_body.foundation.wording import numerals
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion import Description
@@ -146,22 +147,16 @@ def main(given: argparse.Namespace) -> int:
     )
     if path := scenario.path():
         told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration()}
-        return emit(
-            {},
-            lambda: as_text([Sentences([_PATH.format(**told)]), *_other_parts(scenario)], title),
-            lambda: {"parameters": scenario.parameters(), "path": told},
-            as_json=given.json,
-        )
-    description = describe(scenario.body(), scenario.start())
+        parts: list[Part] = [Sentences([_PATH.format(**told)])]
+        data: dict[str, Any] = {"path": told}
+    else:
+        description = describe(scenario.body(), scenario.start())
+        parts = _parts(scenario, description)
+        data = {**asdict(description), "conserved": _conserved(description), **beyond_rotation(scenario)}
     return emit(
         {},
-        lambda: as_text(_parts(scenario, description), title),
-        lambda: {
-            "parameters": scenario.parameters(),
-            **asdict(description),
-            "conserved": _conserved(description),
-            **beyond_rotation(scenario),
-        },
+        lambda: as_text([*parts, *_other_parts(scenario)], title),
+        lambda: {"parameters": scenario.parameters(), **data},
         as_json=given.json,
     )
 
@@ -182,7 +177,6 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
         Sentences([_regime(description)]),
         Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
         Sentences([*_conservation(description)], f"Conserved{until}"),
-        *_other_parts(scenario),
     ]
 
 
@@ -273,7 +267,7 @@ def _conserved(description: Description) -> list[dict[str, Any]]:
     """Quantities that the symmetries of the motion conserve, each with its values, their unit, and the reason."""
     body = "angular momentum in the body"
     along = description.conserved_body_momenta
-    found: dict[str, tuple[tuple[float, ...], str, str]] = {
+    found: dict[str, tuple[Vector, str, str]] = {
         "kinetic energy": ((description.kinetic_energy_j,), "J", "time"),
         "angular momentum in the world, all components": (description.world_momentum_kg_m2_s, "kg m²/s", "space"),
     }
@@ -362,7 +356,7 @@ def _period(rate_rad_s: float) -> str:
 
 def _vector(values: Sequence[float]) -> str:
     """Numbers in brackets."""
-    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
+    return f"[{numerals(values)}]"
 
 
 def _axis_name(description: Description, index: int) -> str:

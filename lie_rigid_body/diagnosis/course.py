@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
 from lie_rigid_body.evaluation.causes import UP
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
@@ -120,8 +120,8 @@ class Course(Truth):
     settle_s: float = 0.0
     ramp_s: float = RAMP
     grid: str = "even"
-    gaps_s: tuple[float, ...] = ()
-    off: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    gaps_s: Vector = ()
+    off: tuple[tuple[str, Vector], ...] = ()
     seed: int = 0
     is_rounded: bool = False
     is_carried: bool = False
@@ -189,7 +189,7 @@ class Course(Truth):
             return weight
         passed, pace, change = _own_time(stamps_ns / 1e9 - self.settle_s - self.rest_s, self.ramp_s)
         sway = harmonics(0, NoiseSource.SWAY, SWAY, SWAY_BAND).at(np.round(passed * 1e9).astype(np.int64))
-        acceleration = sway.acceleration * pace[:, np.newaxis] ** 2 + sway.rate * change[:, np.newaxis]
+        acceleration = sway.acceleration * pace[:, np.newaxis] ** 2 + sway.velocity * change[:, np.newaxis]
         earlier, later = (self.states(stamps_ns + step)[1] for step in (-NS // 2000, NS // 2000))
         of_rotation = np.cross(1000.0 * (later - earlier), LEVER_ARM) + np.cross(rate, np.cross(rate, LEVER_ARM))
         return weight + of_rotation + self.in_body(attitude, acceleration)

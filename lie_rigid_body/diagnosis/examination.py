@@ -51,7 +51,7 @@ TOLD: Final = float(np.radians(1e-3))
 """Least difference between the errors of two kinds of gyro that a note tells, rad."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Mistake:
     """A mistake of a filter, named after the repair that undoes it.
 
@@ -76,7 +76,7 @@ class Mistake:
     or_else: tuple[str, ...] = ()
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Note:
     """Something about a filter that is no mistake.
 
@@ -92,7 +92,7 @@ class Note:
     value: float | str
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class ErrorOverTime:
     """The total error in the first course, after a repair and those before it.
 

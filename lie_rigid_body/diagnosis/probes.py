@@ -61,7 +61,7 @@ Judged = tuple[bool | None, str, float]
 """Whether a probe is passed, None where it is not judged; what is said of it, and the number that was judged."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Probe:
     """Whether a filter has an ability.
 

@@ -20,6 +20,7 @@ from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.parameters import Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 
@@ -48,7 +49,7 @@ DRIFT: Final = 0.1
 of the error."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Repair:
     """A change of the readings, or of the estimate.
 
@@ -393,7 +394,7 @@ def exact_repairs() -> tuple[Repair, ...]:
     return tuple(sorted(every, key=lambda each: ORDER.index(each.code)))
 
 
-FITTED: Final[dict[str, tuple[Callable[[Any], Repair], tuple[float, ...]]]] = {
+FITTED: Final[dict[str, tuple[Callable[[Any], Repair], Vector]]] = {
     "time_step": (factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
     **{f"{sensor}_late": (partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSOR_READINGS},
 }
@@ -430,7 +431,7 @@ ORDER: Final = (
 """Order in which mistakes are named if several repairs do equally well at equal cost."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Answer:
     """Estimate of a filter in a course.
 

@@ -40,6 +40,7 @@ from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.errors import FilterError
+from lie_rigid_body.foundation.parameters import Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.sensors import GRADES
@@ -97,7 +98,7 @@ QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", 
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Trial:
     """Runs with one kind of gyro and with repairs, and the error that they leave.
 
@@ -120,7 +121,7 @@ class Trial:
     repairs: Repairs
     kind: str
     error: float
-    parts: tuple[float, ...] = ()
+    parts: Vector = ()
     track: Matched | None = None
     unrepaired: Sequence[Answer] = ()
 

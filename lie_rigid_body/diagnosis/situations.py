@@ -31,7 +31,7 @@ WRONG: Final = 0.5
 """Share of it above which it is wrong there."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Situation:
     """RMS of the error of a filter in a situation.
 

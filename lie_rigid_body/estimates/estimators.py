@@ -88,7 +88,7 @@ def called(estimate: Estimator, run: Run, settled_s: float) -> Estimate:
     return found
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class NamedFunction:
     """A function that any process of this machine finds by the names of its module and its own.
 

@@ -80,7 +80,7 @@ def words(command: str) -> list[str]:
     return []
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class ProgramEstimator(ABC):
     """An estimator that starts a program for each run.
 
@@ -136,7 +136,7 @@ class ProgramEstimator(ABC):
         return f"{self.kind} {shown(self.command)}"
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class CommandEstimator(ProgramEstimator):
     """A program that reads readings as CSV and prints attitudes; see `ProgramEstimator` for the parameters."""
 

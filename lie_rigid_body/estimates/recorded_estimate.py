@@ -53,7 +53,7 @@ _OF_NODE: Final = tuple(f"/{name}" for name in (TWIST, *SENSOR_TOPICS))
 _TYPES: Final[dict[str, Sequence[str]]] = {POSE: ATTITUDE_TYPES, SCENARIO: (STRING,)}
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class RecordedEstimate:
     """The attitudes of a topic, and their truth.
 

@@ -42,7 +42,7 @@ ASYMMETRY: Final = 1e-6
 round-off."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Consistency:
     """NEES of a run; one run gives no verdict on a covariance.
 

@@ -84,7 +84,7 @@ class BiasNoise(NamedTuple):
 NO_BIAS: Final = BiasNoise()
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class VectorReadings:
     """Readings of a vector that is constant in the world, such as gravity or the magnetic field.
 
@@ -107,7 +107,7 @@ class VectorReadings:
     linear_errors: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class AttitudeReadings:
     """Readings of the whole attitude, as of a star tracker.
 
@@ -122,7 +122,7 @@ class AttitudeReadings:
     covariance: Array
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class CramerRaoBound:
     """Bounds of the attitude's error at each sample, for estimators that do not know the dynamics.
 

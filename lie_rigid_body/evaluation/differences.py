@@ -43,7 +43,7 @@ MAX_MEANS: Final = 1000
 """Largest number of logarithms whose means are made; more are replaced by so many of their quantiles."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Difference:
     """Ratio of the errors of two estimators: below 1 where that of the first is smaller.
 

@@ -59,7 +59,7 @@ class Interval:
     verdict: str
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class EnsembleConsistency:
     """Verdict on a covariance over many runs.
 

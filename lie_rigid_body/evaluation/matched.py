@@ -39,7 +39,7 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Error that needs no explanation, rad; a smaller one counts as this."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Matched:
     """Attitudes that were estimated, beside the truth.
 

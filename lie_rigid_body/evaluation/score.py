@@ -24,7 +24,7 @@ MAX_LUCK: Final = 1e-3
 """Largest probability of an error that is called smaller than the noise allows."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Finding:
     """Mistake in an estimate, with what to do.
 
@@ -45,7 +45,7 @@ class Finding:
     rms_deg_after: float
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class ScoreNote:
     """Property of an estimate that is no mistake.
 
@@ -63,7 +63,7 @@ class ScoreNote:
     value: float
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class BiasEstimate:
     """Estimated biases of a gyro beside the true ones, rad/s.
 
@@ -93,7 +93,7 @@ class BiasEstimate:
         return {"gyro_bias_error_rad_s": np.interp(times, t_ns, np.linalg.norm(self.estimate - self.truth, axis=-1))}
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class BoundComparison:
     """Cramér–Rao bounds of the total error at the samples of a score, for estimators that do not know the dynamics.
 

@@ -35,7 +35,7 @@ MIN_SHARE: Final = 0.5
 due."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Statistics:
     """Statistics of a non-negative error, in the unit of the error.
 
@@ -135,7 +135,7 @@ def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float |
     return float(times[first] - times[0]) if first < len(sizes) else None
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Limits:
     """Limits to the total error.
 

@@ -66,7 +66,7 @@ def exact_duration(given: object, name: str, example: str, *, is_text: bool = Fa
     return Fraction(value)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Parameter:
     """One parameter: its type, default, limits and description.
 

@@ -1,11 +1,21 @@
-"""Dataclasses whose repr stays on one line, whatever their fields hold."""
+"""Frozen dataclasses whose repr stays on one line, whatever their fields hold."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from lie_rigid_body.foundation.wording import call_repr
+
+if TYPE_CHECKING:
+    from typing_extensions import dataclass_transform
+else:
+
+    def dataclass_transform(**_: object) -> Callable[[T], T]:
+        """Nothing: what type checkers are told of a decorator (PEP 681)."""
+        return lambda decorator: decorator
+
 
 T = TypeVar("T")
 
@@ -28,28 +38,34 @@ def short_repr(instance: Any) -> str:
     return call_repr(instance, {name: getattr(instance, name) for name in names})
 
 
-if TYPE_CHECKING:
-    # Type checkers know the standard library's decorator, and this one makes classes of the same type.
-    from dataclasses import dataclass as short_dataclass
-else:
-    import dataclasses
+@overload
+def short_dataclass(owner: type[T], /) -> type[T]: ...
 
-    def short_dataclass(**options: bool) -> Callable[[type[T]], type[T]]:
-        """Make a dataclass, by the standard library's options, whose repr is `short_repr`.
 
-        Parameters
-        ----------
-        **options : bool
-            As of `dataclasses.dataclass`, without ``repr``.
+@overload
+def short_dataclass(**options: bool) -> Callable[[type[T]], type[T]]: ...
 
-        Returns
-        -------
-        callable
-            Decorator of a class.
-        """
 
-        def decorated(owner: type[T]) -> type[T]:
-            owner.__repr__ = short_repr
-            return dataclasses.dataclass(repr=False, **options)(owner)
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field,))
+def short_dataclass(owner: type[Any] | None = None, /, **options: bool) -> Any:
+    """Make a frozen dataclass whose repr is `short_repr`.
 
-        return decorated
+    Parameters
+    ----------
+    owner : type, optional
+        The class; without it a decorator is made.
+    **options : bool
+        As of `dataclasses.dataclass`, without ``repr``; ``frozen`` is true if not given.
+
+    Returns
+    -------
+    type or callable
+    """
+
+    def decorated(owner: type[Any]) -> type[Any]:
+        if "__repr__" not in vars(owner):
+            owner.__repr__ = short_repr  # type: ignore[assignment]
+        made: type[Any] = dataclasses.dataclass(repr=False, **{"frozen": True, **options})(owner)
+        return made
+
+    return decorated if owner is None else decorated(owner)

@@ -69,7 +69,7 @@ def dual_basis(flat: Array) -> Array:
     return np.asarray(dual)
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class MatrixLieAlgebra(MadeAnew):
     """The real span of matrices Tᵃ with [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42).
 

@@ -27,7 +27,7 @@ _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Displacement:
     """A displacement x ↦ A x + t of a rigid body in n dimensions: eq. (3), with the translation.
 

@@ -36,7 +36,7 @@ MAX_CHART_ROTATION: Final = math.pi
 """Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class GroupState:
     """A group element and the rate in its own frame, of one instant or of many.
 

@@ -40,7 +40,7 @@ class HamiltonsEquations(NamedTuple):
         return short_repr(self)
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Hamiltonian(MadeAnew):
     """The Hamiltonian H = ½ (M⁻¹)ᵃᵇpᵃpᵇ on a matrix Lie group, eq. (34).
 

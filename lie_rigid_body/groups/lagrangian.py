@@ -39,7 +39,7 @@ from lie_rigid_body.groups.metric import require_metric
 from lie_rigid_body.mechanics.array_input import positive, symmetrised
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Lagrangian(MadeAnew):
     """The Lagrangian L = ½ Mᵃᵇωᵃωᵇ on a matrix Lie group, eq. (14).
 

@@ -43,7 +43,7 @@ class Stability(Enum):
     """The linearised motion grows exponentially."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class RelativeEquilibrium:
     """A steady rotation (relative equilibrium), the eigenvalues of the motion linearised about it, and its stability.
 

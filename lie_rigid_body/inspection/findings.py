@@ -18,7 +18,7 @@ HOW: Final = "turn it slowly once about each axis, then let it rest for ten seco
 Numbers: TypeAlias = "float | tuple[float, ...]"
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class LogMistake:
     """A mistake in the readings, named after the repair that undoes it.
 
@@ -44,7 +44,7 @@ class LogMistake:
     or_else: tuple[str, ...] = ()
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Undecided:
     """A mistake between which and none the log does not decide.
 
@@ -59,7 +59,7 @@ class Undecided:
     message: str
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class LogNote:
     """Something about the readings that is no mistake.
 
@@ -75,7 +75,7 @@ class LogNote:
     value: Numbers
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Estimated:
     """A number with its standard error.
 
@@ -89,7 +89,7 @@ class Estimated:
     standard_error: Numbers
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Mark:
     """Stretch of time of a sensor, or of all.
 

@@ -33,7 +33,7 @@ _OF_TIMES: Final = ("rates", "_late", "_mounting")
 """Ends of the codes of notes that are of the log as it is; others are of the repaired readings."""
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Inspection(Shown):
     """Inspection of the readings of a run, without its truth.
 

@@ -15,7 +15,7 @@ from lie_rigid_body.mechanics.array_input import orthogonal_matrix, positive, sy
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class MassMoments:
     """The moments of a mass distribution of orders 0, 1 and 2, the last of them K of eq. (10).
 

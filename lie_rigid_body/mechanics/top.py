@@ -82,7 +82,7 @@ def conserved_body_axes(body: RigidBody) -> Array:
     return np.empty((0, 3)) if axis is None else body.principal_axes[:, [axis]].T.copy()
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SymmetricTop:
     """Free motion of a symmetric top with moments I, I across its axis and J along it: two uniform rotations.
 
@@ -136,7 +136,7 @@ class SymmetricTop:
         )
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SpinStability:
     """Stability of the steady spin about one principal axis, by eq. (29), under a small disturbance.
 

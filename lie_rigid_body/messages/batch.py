@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages import definitions
 from lie_rigid_body.messages.layout import (
@@ -93,7 +93,7 @@ class ReadingEncoder:
 
     def __init__(self, topic: Topic, model: SensorModel, scenario: Scenario) -> None:
         self.topic = topic
-        self.frame = scenario.frame(topic.frame)
+        self.frame = str(scenario.value(topic.frame))
         self.numbers = fixed_numbers(topic, model)
         self.fields = told_fields(topic, model)
         places = [numbers_of(topic, field) for field in self.fields]
@@ -131,8 +131,8 @@ def numbers_of(topic: Topic, field: Field) -> Sequence[int]:
     return [place[i] for i in field.numbers] or place
 
 
-class TransformEncoder:
-    """Poses as tf2_msgs/TFMessage, each with one transform.
+class TransformEncoder(Layout):
+    """Poses as tf2_msgs/TFMessage, each with one transform, of a position, m, and an attitude.
 
     Parameters
     ----------
@@ -144,23 +144,7 @@ class TransformEncoder:
     def __init__(self, frame: str, child_frame: str) -> None:
         head = ENCAPSULATION + _ONE_TRANSFORM + bytes(8) + text(frame)
         head = head.ljust(-(-len(head) // 4) * 4, b"\x00") + text(child_frame)
-        self._layout = Layout(head, [0.0] * POSE_NUMBERS, [range(3), range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
-
-    def encode(self, stamps_ns: Integers, position: Array, attitude_xyzw: Array) -> Payloads:
-        """Encode one message for each sample.
-
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-        position : ndarray, shape (N, 3)
-            m.
-        attitude_xyzw : ndarray, shape (N, 4)
-
-        Returns
-        -------
-        Payloads
-        """
-        return self._layout.encode(stamps_ns, position, attitude_xyzw)
+        super().__init__(head, [0.0] * POSE_NUMBERS, [range(3), range(3, 7)], len(ENCAPSULATION + _ONE_TRANSFORM))
 
 
 def encode_string(value: str) -> bytes:
@@ -182,7 +166,7 @@ def _text_template(size: int) -> Template:
     return Template(bytes(size), [(0, size // 8), (size - 8, 1)])
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Messages:
     """Messages of one topic.
 
@@ -216,7 +200,7 @@ class Messages:
         return cls(parts[0].topic, np.concatenate([part.times_ns for part in parts]), Payloads(template, words))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Batch:
     """The messages of what was taken from a simulation at once.
 

@@ -7,8 +7,9 @@ fields.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Array, Integers, items
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
 from lie_rigid_body.system.bounded_input import MAX_NAME_LENGTH, MAX_STRING_LENGTH
@@ -32,7 +33,7 @@ _SPARE: Final = 8
 """Bytes by which a middleware may pad the end of a message, to a multiple of 4 or 8, and one more."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Decoded:
     """Messages of one type.
 
@@ -92,11 +93,14 @@ def decode_places(
         byte_order(bytes(data[starts[shortest] : ends[shortest]]), first + shortest)  # which refuses it
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
-    frames = _FrameNames(len(starts))
+    names = np.full(len(starts), "", dtype=np.object_)
     for indices, rows in _of_one_size(data, starts, ends - starts):
         for alike in _alike(rows, stamped=stamped):
-            _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
-    return Decoded(stamps if stamped else None, values, *frames.in_order())
+            _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, names)
+    if not stamped:
+        return Decoded(None, values, (), np.zeros(len(starts), dtype=np.int64))
+    numbers_of = {name: number for number, name in enumerate(dict.fromkeys(names.tolist()))}
+    return Decoded(stamps, values, tuple(numbers_of), np.fromiter(map(numbers_of.__getitem__, names), dtype=np.int64))
 
 
 def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) -> Iterator[tuple[Integers, Bytes]]:
@@ -123,7 +127,13 @@ def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
 
 
 def _decode_alike(
-    rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: _FrameNames
+    rows: Bytes,
+    indices: Integers,
+    first: int,
+    stamped: bool,
+    stamps: Integers,
+    values: Array,
+    names: NDArray[np.object_],
 ) -> None:
     head = rows[0].tobytes()
     at = int(indices[0])
@@ -137,7 +147,11 @@ def _decode_alike(
     values[indices] = _column(rows, start, 8 * count, f"{order}f8")
     if stamped:
         stamps[indices] = _stamps(rows, order, first + indices)
-        frames.add(rows[:, FRAME_OFFSET : FRAME_OFFSET + length], indices, first)
+        texts = rows[:, FRAME_OFFSET : FRAME_OFFSET + length]
+        distinct = texts[:1] if (texts == texts[:1]).all() else texts
+        names[indices] = [
+            text_of(each.tobytes(), first + i) for each, i in zip(distinct, indices.tolist(), strict=False)
+        ]
 
 
 def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic]:
@@ -151,37 +165,6 @@ def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:
         worst = int(np.argmax(nanosec >= NS))
         raise BagError(f"message {indices[worst]} has a stamp of {nanosec[worst]} nanosec, not below 1e9")
     return sec * NS + nanosec
-
-
-class _FrameNames:
-    """The frame names of messages, collected in any order."""
-
-    def __init__(self, count: int) -> None:
-        self._numbers: dict[str, int] = {}
-        self._of_messages = np.zeros(count, dtype=np.int64)
-
-    def add(self, texts: Bytes, indices: Integers, first: int) -> None:
-        """Take the names of some messages, given as bytes."""
-        if texts.shape[1] == 0 or (texts == texts[:1]).all():
-            self._of_messages[indices] = self._number(texts[0].tobytes(), first + int(indices[0]))
-            return
-        names = np.ascontiguousarray(texts).view(f"V{texts.shape[1]}")[:, 0]
-        distinct, at, inverse = np.unique(names, return_index=True, return_inverse=True)
-        pairs = zip(distinct, indices[at].tolist(), strict=True)
-        numbers = np.array([self._number(bytes(name), first + index) for name, index in pairs])
-        self._of_messages[indices] = numbers[inverse]
-
-    def _number(self, text: bytes, index: int) -> int:
-        return self._numbers.setdefault(text_of(text, index), len(self._numbers))
-
-    def in_order(self) -> tuple[tuple[str, ...], Integers]:
-        """Distinct names in order of appearance, and the number of the name that each message has."""
-        if len(self._numbers) <= 1:
-            return tuple(self._numbers), self._of_messages
-        _, at = np.unique(self._of_messages, return_index=True)
-        order = np.argsort(at)
-        names = tuple(self._numbers)
-        return tuple(names[i] for i in order.tolist()), np.argsort(order)[self._of_messages]
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:
@@ -250,40 +233,33 @@ class FramedNumbers:
 
     stamps_ns: list[int] = field(default_factory=list)
     messages: list[int] = field(default_factory=list)
-    numbers: list[tuple[float, ...]] = field(default_factory=list)
+    numbers: list[Vector] = field(default_factory=list)
 
 
-def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read nav_msgs/Odometry, by frame and child frame.
+def _decoded(payloads: Sequence[bytes], numbers: int, *, counted: bool = False) -> dict[Frames, FramedNumbers]:
+    """Read messages of a header, a child frame and so many numbers, or of a counted number of such parts.
 
     Raises
     ------
     BagError
         Naming the first message that is not such a payload.
     """
-    # pose and its covariance, twist and its covariance
-    return _decoded(payloads, lambda fields: 1, POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
-
-
-def decode_transform(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read geometry_msgs/TransformStamped, by frame and child frame; see `decode_odometry`."""
-    return _decoded(payloads, lambda fields: 1, POSE_NUMBERS)
-
-
-def decode_transforms(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read tf2_msgs/TFMessage, by frame and child frame; see `decode_odometry`."""
-    return _decoded(payloads, _Fields.word, POSE_NUMBERS)
-
-
-def _decoded(payloads: Sequence[bytes], count: Callable[[_Fields], int], numbers: int) -> dict[Frames, FramedNumbers]:
-    """Read messages of ``count(fields)`` parts, each of a header, a child frame and so many numbers."""
     found: dict[Frames, FramedNumbers] = {}
     for index, payload in enumerate(payloads):
         fields = _Fields(payload, index)
-        for _ in range(count(fields)):
+        for _ in range(fields.word() if counted else 1):
             fields.read(found, numbers)
         fields.end()
     return found
+
+
+# pose and its covariance, twist and its covariance
+decode_odometry: Final = partial(_decoded, numbers=POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
+"""A function that reads nav_msgs/Odometry, by frame and child frame."""
+decode_transform: Final = partial(_decoded, numbers=POSE_NUMBERS)
+"""A function that reads geometry_msgs/TransformStamped, by frame and child frame."""
+decode_transforms: Final = partial(_decoded, numbers=POSE_NUMBERS, counted=True)
+"""A function that reads tf2_msgs/TFMessage, by frame and child frame."""
 
 
 class _Fields:

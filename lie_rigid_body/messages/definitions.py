@@ -152,16 +152,14 @@ def offered_qos_profiles(*, latched: bool, depth: int) -> str:
     str
     """
     forever = "{sec: 9223372036, nsec: 854775807}"
-    return "\n".join(
-        [
-            "- history: keep_last",
-            f"  depth: {depth}",
-            "  reliability: reliable",
-            f"  durability: {'transient_local' if latched else 'volatile'}",
-            f"  deadline: {forever}",
-            f"  lifespan: {forever}",
-            "  liveliness: automatic",
-            f"  liveliness_lease_duration: {forever}",
-            "  avoid_ros_namespace_conventions: false",
-        ]
+    return (
+        "- history: keep_last\n"
+        f"  depth: {depth}\n"
+        "  reliability: reliable\n"
+        f"  durability: {'transient_local' if latched else 'volatile'}\n"
+        f"  deadline: {forever}\n"
+        f"  lifespan: {forever}\n"
+        "  liveliness: automatic\n"
+        f"  liveliness_lease_duration: {forever}\n"
+        "  avoid_ros_namespace_conventions: false"
     )

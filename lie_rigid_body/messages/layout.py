@@ -23,8 +23,6 @@ POSE_NUMBERS: Final = 7
 """float64 fields of a pose: position x y z, orientation x y z w."""
 TWIST_NUMBERS: Final = 6
 """float64 fields of a twist: linear x y z, angular x y z."""
-_FEW: Final = 8
-"""Largest number of rows that are made one by one, as for a live node."""
 
 
 def header(frame: str) -> bytes:
@@ -82,22 +80,9 @@ class Template:
         words : ndarray of little-endian int64, shape (N, K)
             The bits of each word, in the order of the runs.
         """
-        if len(words) <= _FEW:
-            return self._few(words)
         data = self._many(words).tobytes()
         size = self.size
         return (data[i : i + size] for i in range(0, len(data), size))
-
-    def _few(self, words: Integers) -> Iterator[bytes]:
-        """Make rows one by one: a call of NumPy costs more than a row."""
-        content = words.tobytes()
-        begin = 0
-        for _ in range(len(words)):
-            row = bytearray(self._data)
-            for at, size in self._parts:
-                row[at : at + size] = content[begin : begin + size]
-                begin += size
-            yield bytes(row)
 
     def _many(self, words: Integers) -> NDArray[np.void]:
         """Make rows as items of an array, shape (N,)."""
@@ -120,7 +105,7 @@ class Template:
         items[places] = self._many(words)
 
 
-@short_dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Payloads(Sequence[bytes]):
     """Messages of one size. Their bytes are laid out when they are asked for, or straight where they are wanted.
 

@@ -40,7 +40,7 @@ LINGERING: Final = 0.01
 the time, while that of a nearly symmetric top circles evenly."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Flips:
     """When the body rate along the intermediate axis changes its sign, so that this axis turns over.
 
@@ -63,7 +63,7 @@ class Flips:
     sudden: bool
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Circulation:
     """How a motion that is not steady circulates about a principal axis.
 
@@ -98,29 +98,16 @@ class Circulation:
     flips: Flips | None
 
 
-@short_dataclass(frozen=True)
-class MotionConstants:
-    """The regime of a motion, and its circulation unless it is steady."""
-
-    regime: Regime
-    circulation: Circulation | None
-
-    @classmethod
-    def of(cls, body: RigidBody, start: State) -> MotionConstants:
-        """The constants of the motion of a body from a start of one instant, each rounded once."""
-        inertia = exact_inertia(body)
-        rate = start.body_rate.tolist()
-        with working_precision(digits_for(inertia)):
-            if is_steady(inertia, rate):
-                return cls("steady" if any(rate) else "rest", None)
-            frame, polhode = frame_and_polhode(inertia, rate)
-            return cls(_regime(frame, polhode), _circulation(frame, polhode))
-
-
-def _regime(frame: PrincipalFrame, polhode: Polhode) -> Regime:
-    if polhode.m1 == 0:
-        return "separatrix"
-    return "about_largest" if frame.sense > 0 else "about_smallest"
+def _constants(body: RigidBody, start: State) -> tuple[Regime, Circulation | None]:
+    """The regime of a motion from a start of one instant, and its circulation unless it is steady."""
+    inertia = exact_inertia(body)
+    rate = start.body_rate.tolist()
+    with working_precision(digits_for(inertia)):
+        if is_steady(inertia, rate):
+            return "steady" if any(rate) else "rest", None
+        frame, polhode = frame_and_polhode(inertia, rate)
+        regime: Regime = "about_largest" if frame.sense > 0 else "about_smallest"
+        return regime if polhode.m1 else "separatrix", _circulation(frame, polhode)
 
 
 def _circulation(frame: PrincipalFrame, polhode: Polhode) -> Circulation:
@@ -162,7 +149,7 @@ def _angle(across: Decimal, along: Decimal) -> float:
     return math.atan2(float(across / size), float(along / size))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class PrincipalAxis:
     """One principal axis: its moment, its direction in the body frame, and the stability of a spin about it.
 
@@ -174,7 +161,7 @@ class PrincipalAxis:
     spin: SpinStability
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class FixedAxisRotation:
     """A rotation about a fixed axis.
 
@@ -193,7 +180,7 @@ class FixedAxisRotation:
     turn_s: float
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class BodyMomentum:
     """A component of the body momentum Mω that stays constant, along a direction of the body frame."""
 
@@ -201,7 +188,7 @@ class BodyMomentum:
     momentum_kg_m2_s: float
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Description:
     """Everything about a body and its motion that does not depend on time.
 
@@ -274,8 +261,7 @@ def describe(body: RigidBody, start: State) -> Description:
     """
     require_one(body, start)
     kind = kind_of_top(body)
-    constants = MotionConstants.of(body, start)
-    circulation = constants.circulation
+    regime, circulation = _constants(body, start)
     if circulation is not None and kind != "asymmetric":
         circulation = replace(circulation, flips=None)
     first, second, third = (_principal_axis(body, start, i) for i in range(3))
@@ -288,8 +274,8 @@ def describe(body: RigidBody, start: State) -> Description:
         kinetic_energy_j=energy,
         angular_momentum_kg_m2_s=math.hypot(*body.body_momentum(start)),
         world_momentum_kg_m2_s=_vector(body.angular_momentum(start)),
-        regime=constants.regime,
-        steady=_steady_rotation(body, start) if constants.regime == "steady" else None,
+        regime=regime,
+        steady=_steady_rotation(body, start) if regime == "steady" else None,
         circulation=circulation,
         symmetric_top=SymmetricTop.of(body, start),
         conserved_body_momenta=tuple(

@@ -8,13 +8,15 @@ costs as much as the sines of all harmonics, a time near it one polynomial.
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from functools import reduce
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arithmetic.elementary import sine_cosine
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Vector
+from lie_rigid_body.motion.mass_centre import MassCentre
 
 HARMONICS: Final = 16
 """Number of harmonics on each axis."""
@@ -29,14 +31,6 @@ _SPAN: Final = 0.5
 _AT_ONCE: Final = 1024
 """Number of samples whose polynomials are evaluated at once."""
 _RADIANS: Final = 2.0 * math.pi
-
-
-class Oscillation(NamedTuple):
-    """A sum of harmonics and its first two derivatives, shape (N, 3) each."""
-
-    value: Array
-    rate: Array
-    acceleration: Array
 
 
 class Harmonics:
@@ -57,7 +51,7 @@ class Harmonics:
         Hz, m/s² and rad: the acceleration is the sum of amplitude cos(2π frequency t + phase).
     """
 
-    def __init__(self, rms: tuple[float, ...], band: tuple[float, ...], numbers: Array) -> None:
+    def __init__(self, rms: Vector, band: Vector, numbers: Array) -> None:
         low, high = band
         steps = np.rint(STEPS_PER_HZ * (low + (high - low) * numbers[:, 0]))
         least = math.ceil(STEPS_PER_HZ * low)
@@ -74,7 +68,7 @@ class Harmonics:
         self._spacing = 2 ** max(0, math.floor(math.log2(2.0 * _SPAN / fastest)))
         self._coefficients = _coefficients(self.amplitude, _RADIANS * self.frequency_hz)
 
-    def at(self, t_ns: Integers, beyond_ns: Array | float = 0.0) -> Oscillation:
+    def at(self, t_ns: Integers, beyond_ns: Array | float = 0.0) -> MassCentre:
         """The position, m, velocity, m/s, and acceleration, m/s², at N times of the harmonics.
 
         Parameters
@@ -99,7 +93,9 @@ class Harmonics:
         phases = units / _TURN + self._turns
         sine, cosine = sine_cosine((phases - np.rint(phases), np.zeros_like(phases)))
         derivatives = (cosine, -sine, -cosine, sine)
-        return np.stack([_sum(scale * derivatives[power % 4]).T for power, scale in enumerate(self._coefficients)])
+        terms = (scale * derivatives[power % 4] for power, scale in enumerate(self._coefficients))
+        # one term after the other: libraries differ in the order of their sums
+        return np.stack([reduce(np.add, each.T) for each in terms])
 
 
 def _coefficients(amplitude: Array, angular_frequency: Array) -> list[Array]:
@@ -110,15 +106,7 @@ def _coefficients(amplitude: Array, angular_frequency: Array) -> list[Array]:
     return scales
 
 
-def _sum(terms: Array) -> Array:
-    """Sum over the last axis, one term after the other: libraries differ in the order of theirs."""
-    total = terms[..., 0].copy()
-    for j in range(1, terms.shape[-1]):
-        total += terms[..., j]
-    return total
-
-
-def _evaluate(polynomials: Array, places: Integers, seconds: Array) -> Oscillation:
+def _evaluate(polynomials: Array, places: Integers, seconds: Array) -> MassCentre:
     """Polynomials and their first two derivatives by Horner's scheme; some samples at once, as caches are small."""
     found = np.empty((3, len(places), 3))
     for begin in range(0, len(places), _AT_ONCE):
@@ -135,4 +123,4 @@ def _evaluate(polynomials: Array, places: Integers, seconds: Array) -> Oscillati
             value *= x
             value += coefficient
         found[:, some] = value.T, rate.T, 2.0 * half.T
-    return Oscillation(*found)
+    return MassCentre(*found)

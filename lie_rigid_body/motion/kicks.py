@@ -7,8 +7,8 @@ torque-free, so that it has an energy and a momentum of its own.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import NS, decimal_ns
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.motion import Motion, states_at
@@ -27,9 +28,11 @@ MAX_KICKS: Final = 1000
 """Largest number of kicks in a list."""
 _MAX_TIME: Final = 2**62
 """Largest time of a kick or a period, ns."""
+_FOREVER: Final = 2**63 - 1
+"""Period of kicks that come once, ns."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(eq=False)
 class Kicks:
     """The times of kicks, and the body rates right after them. Arc 0 comes before the first kick, arc k after the kth.
 
@@ -43,8 +46,8 @@ class Kicks:
         Time after which the kicks come again, ns; 0: they come once.
     """
 
-    t_ns: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    body_rate: Array = field(default_factory=lambda: np.empty((0, 3)))
+    t_ns: Integers
+    body_rate: Array
     period_ns: int = 0
 
     @classmethod
@@ -65,7 +68,7 @@ class Kicks:
         """
         rows = np.array(numbers, dtype=np.float64).reshape(-1, KICK_NUMBERS)
         times = [decimal_ns(seconds) for seconds in rows[:, 0].tolist()]
-        for i, (before, after) in enumerate(zip([0, *times], times, strict=False)):
+        for i, (before, after) in enumerate(pairwise([0, *times])):
             if not before < after <= _MAX_TIME:
                 raise ParameterError(
                     "kicks",
@@ -79,7 +82,7 @@ class Kicks:
                 f"{period:.15g} s is not longer than the time of the last kick, {rows[-1, 0]:.15g} s: give a longer "
                 "period, or 0 for kicks that come once",
             )
-        return cls(np.array(times, dtype=np.int64), rows[:, 1:].copy(), period_ns if times else 0)
+        return cls(np.array(times, dtype=np.int64), rows[:, 1:], period_ns if times else 0)
 
     def __len__(self) -> int:
         return len(self.t_ns)
@@ -94,31 +97,32 @@ class Kicks:
         """Number of kicks after which the body rests."""
         return int((~self.body_rate.any(axis=1)).sum())
 
-    def arcs(self, t_ns: Integers) -> Integers:
+    def arcs(self, t_ns: Integers | int) -> Integers:
         """Numbers of the arcs at some times, ns: a kick's own time belongs to the arc after it."""
-        if not self.period_ns:
-            return np.asarray(np.searchsorted(self.t_ns, t_ns, side="right"))
-        laps, rest = np.divmod(np.maximum(t_ns, 0), self.period_ns)
-        return np.asarray(laps * len(self) + np.searchsorted(self.t_ns, rest, side="right"))
+        laps, rest = np.divmod(np.maximum(t_ns, 0), self.period_ns or _FOREVER)
+        return laps * len(self) + np.searchsorted(self.t_ns, rest, side="right")
 
     def arc(self, t_ns: int) -> int:
         """Number of the arc at one time, ns."""
-        return int(self.arcs(np.array([t_ns]))[0])
+        return int(self.arcs(t_ns))
 
     def begin_ns(self, arc: int) -> int:
         """Time at which an arc begins, ns since the start: that of its kick, or 0."""
-        return int(self.begins_ns(np.array([arc]))[0])
+        return int(self.begins_ns(arc))
 
-    def begins_ns(self, arcs: Integers) -> Integers:
+    def begins_ns(self, arcs: Integers | int) -> Integers:
         """Times at which some arcs begin, ns since the start."""
-        if not len(self):
-            return np.zeros_like(arcs)
-        laps, kicks = np.divmod(arcs - 1, len(self))
-        return np.where(arcs > 0, laps * self.period_ns + self.t_ns[kicks], 0)
+        laps, places = self.places(arcs)
+        return np.asarray(laps * self.period_ns + np.append(0, self.t_ns)[places])
+
+    def places(self, arcs: Integers | int) -> tuple[Integers, Integers]:
+        """Periods before some arcs, and their places among the start, which comes once, and the kicks of a period."""
+        laps, kicks = np.divmod(np.asarray(arcs) - 1, max(1, len(self)))
+        return np.maximum(laps, 0), np.where(laps < 0, 0, kicks + 1)
 
     def rate(self, arc: int | Integers) -> Array:
         """Body rate, rad/s, right after the kick that begins an arc from 1 on; of N arcs shape (N, 3)."""
-        return np.asarray(self.body_rate[(arc - 1) % len(self)])
+        return self.body_rate[(arc - 1) % len(self)]
 
     def until(self, t_ns: int) -> tuple[Integers, Array]:
         """Times, ns, and body rates, rad/s, of all kicks up to a time, ns."""
@@ -126,14 +130,12 @@ class Kicks:
         numbers = np.arange(1, count + 1)
         return self.begins_ns(numbers), self.rate(numbers)
 
-    def parts(self, t_ns: Integers) -> Iterator[tuple[int, Integers]]:
+    def parts(self, t_ns: Integers) -> Iterable[tuple[int, Integers]]:
         """The arcs of some times, ns, in the order in which they come: each one's number, and the times' places."""
         arcs = self.arcs(t_ns)
         order = np.argsort(arcs, kind="stable")
         numbers, begins = np.unique(arcs[order], return_index=True)
-        ends = [*begins[1:], len(order)]
-        for number, begin, end in zip(numbers.tolist(), begins, ends, strict=False):
-            yield number, order[begin:end]
+        return zip(numbers.tolist(), np.split(order, begins[1:]), strict=False)
 
 
 class KickedMotion(ABC):

@@ -86,13 +86,13 @@ def nanoseconds(t_ns: ArrayLike) -> Integers:
     return array.astype(np.int64)
 
 
-def states_at(start: State, t_ns: ArrayLike, samples: Callable[[Integers], tuple[Array, Array]]) -> State:
+def states_at(start: State | None, t_ns: ArrayLike, samples: Callable[[Integers], tuple[Array, Array]]) -> State:
     """The states at some times: shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
 
     Parameters
     ----------
-    start : State
-        The state at time 0, which comes out as it was given.
+    start : State or None
+        The state at time 0, which comes out as it was given; None: as it is computed.
     t_ns : int or array_like of int, shape (N,)
     samples : callable
         The attitudes and body rates at times of shape (N,).
@@ -104,6 +104,7 @@ def states_at(start: State, t_ns: ArrayLike, samples: Callable[[Integers], tuple
     times = nanoseconds(t_ns)
     flat = np.atleast_1d(times)
     attitude, rate = samples(flat)
-    attitude[flat == 0] = start.attitude_xyzw
-    rate[flat == 0] = start.body_rate
+    if start is not None:
+        attitude[flat == 0] = start.attitude_xyzw
+        rate[flat == 0] = start.body_rate
     return State.trusted(attitude.reshape(*times.shape, 4), rate.reshape(*times.shape, 3))

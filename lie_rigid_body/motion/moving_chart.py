@@ -80,7 +80,7 @@ DEFAULT_STEP: Final = 0.001
 """Largest step, s, of methods that do not limit the turn of a step, where none is asked for."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Method:
     """A stepper of rotations.
 
@@ -132,9 +132,10 @@ METHODS: Final = {
             for tableau in (EULER, MIDPOINT, CLASSICAL)
         ),
         *(
-            Method(f"dmv{order}", order, partial(MoserVeselovIntegrator, order=order), MAX_TURN, default_step)
-            for order, default_step in (*((order, DEFAULT_STEP) for order in (2, 4, 6, 8, 10)), (20, math.inf))
+            Method(f"dmv{order}", order, partial(MoserVeselovIntegrator, order=order), MAX_TURN)
+            for order in (2, 4, 6, 8, 10)
         ),
+        Method("dmv20", 20, partial(MoserVeselovIntegrator, order=20), MAX_TURN, math.inf),
     )
 }
 """The steppers by their public names."""

@@ -8,7 +8,6 @@ acceleration is continuous as well. No law of mechanics is asked for, so that no
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,12 +16,13 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.state import UNIT_NORM_TOLERANCE
-from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.translation import MassCentre
+from lie_rigid_body.motion.mass_centre import MassCentre
+from lie_rigid_body.motion.motion import states_at
 
 KNOT_NUMBERS: Final = 8
 """Numbers of a knot: its time, s, its position, m, and its attitude, scalar last."""
@@ -157,9 +157,7 @@ class PosePath:
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns since the start; see `Motion.at`. Signs of quaternions are continuous."""
-        times = nanoseconds(t_ns)
-        attitude, rate = self._samples(np.atleast_1d(times))
-        return State.trusted(attitude.reshape(*times.shape, 4), rate.reshape(*times.shape, 3))
+        return states_at(None, t_ns, self._samples)
 
     def angular_acceleration(self, t_ns: Integers) -> Array:
         """Angular acceleration in the body frame, rad/s², shape (N, 3), at N times, ns since the start."""
@@ -178,7 +176,7 @@ class PosePath:
         return float(np.sqrt(np.mean(norm(self.mass_centre(times).acceleration) ** 2)))
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class PathTranslation:
     """The motion of the mass centre along a path."""
 

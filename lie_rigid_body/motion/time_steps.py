@@ -45,7 +45,7 @@ def _steps_per_ns(max_step: float) -> float:
 
 def _whole(steps: NDArray[np.floating[Any]] | float) -> Array:
     """The least whole number of steps, but for the round-off of a time that the largest step divides."""
-    return np.asarray(np.ceil(_SHRUNK * steps - _SLACK))
+    return np.ceil(_SHRUNK * steps - _SLACK)
 
 
 def steps_to(times_ns: Integers, reached_ns: int, max_step: float) -> tuple[Integers, Integers]:

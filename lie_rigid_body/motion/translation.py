@@ -7,49 +7,19 @@ A force through the mass centre makes no torque, so the two halves know nothing 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, NamedTuple, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import NS, Vector
-from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
-from lie_rigid_body.mechanics.array_input import ArraysOnly
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicks import Kicks
+from lie_rigid_body.motion.mass_centre import MassCentre
 
 _UP: Final = np.array([0.0, 0.0, 1.0])
-
-
-class MassCentre(ArraysOnly):
-    """Position, velocity and acceleration of the mass centre in the world frame, of one instant or of many.
-
-    Attributes
-    ----------
-    position, velocity, acceleration : ndarray, shape (..., 3)
-        m, m/s and m/s². Read only.
-    """
-
-    __slots__ = ("acceleration", "position", "velocity")
-
-    position: Array
-    velocity: Array
-    acceleration: Array
-
-    def __init__(self, position: Array, velocity: Array, acceleration: Array) -> None:
-        self._hold(acceleration, position, velocity)
-
-    @property
-    def batch_shape(self) -> tuple[int, ...]:
-        """The leading axes: () for one instant."""
-        return self.position.shape[:-1]
-
-    def body_velocity(self, states: State) -> Array:
-        """Velocity along the axes of bodies in some states, m/s, shape (N, 3)."""
-        return quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self.velocity)
 
 
 class Translation(Protocol):
@@ -59,140 +29,115 @@ class Translation(Protocol):
         """The mass centre at N times, ns since the start."""
 
 
-@dataclass(frozen=True)
-class Parabola:
-    """A mass centre that is thrown: x₀ + v₀ t − ½ g t² ẑ. Without gravity it moves evenly, or rests.
+@short_dataclass
+class UniformAndMore:
+    """A mass centre that moves evenly, and beside that in another way: x₀ + v₀ t + x(t).
 
     Attributes
     ----------
     position, velocity : tuple of float, length 3
-        At the start, m and m/s.
-    gravity : float
-        m/s².
+        x₀ and v₀, m and m/s.
+    more : Translation
+        x(t), a fall or a sway.
     """
 
     position: Vector
     velocity: Vector
-    gravity: float
+    more: Translation
 
     def at(self, t_ns: Integers) -> MassCentre:
         """The mass centre at N times, ns since the start."""
         seconds = (t_ns / NS)[:, np.newaxis]
+        more = self.more.at(t_ns)
+        position = self.position + (seconds * self.velocity + more.position)
+        return MassCentre(position, self.velocity + more.velocity, more.acceleration)
+
+
+@short_dataclass
+class Fall:
+    """A fall from rest, −½ g t² ẑ, by the gravity g, m/s². Without gravity it is a rest."""
+
+    gravity: float
+
+    def at(self, t_ns: Integers) -> MassCentre:
+        """The fall at N times, ns since the start."""
+        seconds = (t_ns / NS)[:, np.newaxis]
         fall = 0.0 - self.gravity * _UP
-        position = self.position + (seconds * self.velocity + (0.5 * seconds * seconds) * fall)
-        velocity = self.velocity + seconds * fall
-        return MassCentre(position, velocity, np.tile(fall, (len(t_ns), 1)))
+        return MassCentre((0.5 * seconds * seconds) * fall, seconds * fall, np.tile(fall, (len(t_ns), 1)))
 
 
-class SwayTime(NamedTuple):
-    """The sway's own time: whole nanoseconds and what is beyond them, ns, and its first two derivatives."""
+@short_dataclass
+class Sway:
+    """A sum of harmonics, which slows to a stop when a rest begins, and gathers speed when it ends.
 
-    whole_ns: Integers
-    beyond_ns: Array
-    pace: Array
-    change: Array
+    The pace of its own time is 1 while the body moves and 0 while it rests. After a change it goes from one to the
+    other within T, as S(x) = x³ (10 − 15 x + 6 x²) does, with x = t/T. Changes within T of each other add up.
 
-
-class SwayClock:
-    """The own time of a sway, which slows to a stop when a rest begins, and gathers speed when it ends.
-
-    Its pace is 1 while the body moves and 0 while it rests. After a change it goes from one to the other within T, as
-    S(x) = x³ (10 − 15 x + 6 x²) does, with x = t/T. Changes within T of each other add up.
-
-    Parameters
+    Attributes
     ----------
+    harmonics : Harmonics
     kicks : Kicks
-    starts_at_rest : bool
-        Whether the body's rate is 0 before the first kick.
+    moves_first : bool
+        Whether the body moves before the first kick.
     ramp_s : float
         T, s.
     """
 
-    def __init__(self, kicks: Kicks, *, starts_at_rest: bool, ramp_s: float) -> None:
-        self._kicks = kicks
-        self._ramp_ns = ramp_s * NS
-        self._moves_first = not starts_at_rest
-        self._moves = kicks.body_rate.any(axis=1)
-        # time in motion, ns, from the first kick on to each later one, and of a whole period
-        ends = np.append(kicks.t_ns[1:], kicks.t_ns[:1] + kicks.period_ns)
-        self._moved = np.append(0, np.cumsum((ends - kicks.t_ns) * self._moves))
+    harmonics: Harmonics
+    kicks: Kicks
+    moves_first: bool
+    ramp_s: float
 
-    def _in_motion(self, arcs: Integers) -> Integers:
-        """1 for arcs in motion, 0 for arcs at rest."""
-        return np.where(arcs > 0, self._moves[(arcs - 1) % len(self._kicks)], self._moves_first).astype(np.int64)
-
-    def _moved_before(self, arcs: Integers) -> Integers:
-        """Time in motion before the begin of each arc, ns."""
-        laps, kicks = np.divmod(arcs - 1, len(self._kicks))
-        first = self._moves_first * self._kicks.t_ns[0]
-        return np.where(arcs > 0, first + laps * self._moved[-1] + self._moved[kicks], 0)
-
-    def at(self, t_ns: Integers) -> SwayTime:
-        """The sway's time at N times, ns since the start."""
-        nothing = np.zeros(len(t_ns))
-        if (self._moves == self._moves_first).all():
-            return SwayTime(t_ns * self._moves_first, nothing, nothing + self._moves_first, nothing)
-        arcs = self._kicks.arcs(t_ns)
-        begins = self._kicks.begins_ns(arcs)
-        moving = self._in_motion(arcs)
-        whole = self._moved_before(arcs) + moving * (t_ns - begins)
-        beyond = nothing.copy()
-        pace = nothing.copy()
-        change = nothing.copy()
-        rows = np.arange(len(t_ns))
-        while True:  # changes whose T is not over, the latest one first
-            x = (t_ns[rows] - begins) / self._ramp_ns
-            is_recent = (arcs > 0) & (x < 1.0)
-            settled = rows[~is_recent]
-            pace[settled] += moving[~is_recent]
-            beyond[settled] -= 0.5 * self._ramp_ns * (moving[~is_recent] - self._moves_first)
-            rows, arcs, x = rows[is_recent], arcs[is_recent], x[is_recent]
-            if not len(rows):
-                return SwayTime(whole, beyond, pace, change)
-            before = self._in_motion(arcs - 1)
-            sign = moving[is_recent] - before
-            square = x * x
-            cube = square * x
-            beyond[rows] += sign * self._ramp_ns * (cube * x * (2.5 - 3.0 * x + square) - x)
-            pace[rows] += sign * (cube * (10.0 - 15.0 * x + 6.0 * square))
-            change[rows] += sign * (30.0 * square * (1.0 - x) ** 2) * (NS / self._ramp_ns)
-            arcs = arcs - 1
-            begins = self._kicks.begins_ns(arcs)
-            moving = before
-
-
-@dataclass(frozen=True)
-class Carried:
-    """A carried mass centre: x₀ + v₀ t, and a sway, which pauses while the body rests.
-
-    Attributes
-    ----------
-    position, velocity : tuple of float, length 3
-        At the start, m and m/s, without the sway's.
-    sway : Harmonics
-    clock : SwayClock
-    """
-
-    position: Vector
-    velocity: Vector
-    sway: Harmonics
-    clock: SwayClock
+    def at(self, t_ns: Integers) -> MassCentre:
+        """The way from the start at N times, ns since the start."""
+        whole_ns, beyond_ns, *paces = self.own_time(t_ns)
+        pace, change = (each[:, np.newaxis] for each in paces)
+        sway = self.harmonics.at(whole_ns, beyond_ns)
+        acceleration = sway.acceleration * (pace * pace) + sway.velocity * change
+        return MassCentre(sway.position - self._origin, sway.velocity * pace, acceleration)
 
     @cached_property
     def _origin(self) -> Array:
-        """Position of the sway at its time 0, m, shape (1, 3)."""
-        return self.sway.at(np.zeros(1, dtype=np.int64)).value
+        """Position of the harmonics at their time 0, m, shape (1, 3)."""
+        return self.harmonics.at(np.zeros(1, dtype=np.int64)).position
 
-    def at(self, t_ns: Integers) -> MassCentre:
-        """The mass centre at N times, ns since the start."""
-        seconds = (t_ns / NS)[:, np.newaxis]
-        own = self.clock.at(t_ns)
-        sway = self.sway.at(own.whole_ns, own.beyond_ns)
-        pace = own.pace[:, np.newaxis]
-        change = own.change[:, np.newaxis]
-        position = self.position + (seconds * self.velocity + (sway.value - self._origin))
-        velocity = self.velocity + sway.rate * pace
-        return MassCentre(position, velocity, sway.acceleration * (pace * pace) + sway.rate * change)
+    @cached_property
+    def _moves(self) -> Integers:
+        """1 for each arc of a period in motion, 0 for one at rest; the first one comes once."""
+        return np.append(int(self.moves_first), self.kicks.body_rate.any(axis=1))
+
+    @cached_property
+    def _moved_ns(self) -> Integers:
+        """Time in motion before the begin of each arc of a period, ns, and of the one after it."""
+        kicks_ns = self.kicks.t_ns
+        ends = np.append(kicks_ns, kicks_ns[:1] + self.kicks.period_ns)
+        return np.append(0, np.cumsum(np.diff(ends, prepend=0) * self._moves))
+
+    def own_time(self, t_ns: Integers) -> tuple[Integers, Array, Array, Array]:
+        """Own time at N times: whole ns, what is beyond them, ns, and its first two derivatives, 1 and 1/s."""
+        beyond, pace, change = np.zeros((3, len(t_ns)))
+        if (self._moves == self.moves_first).all():
+            return t_ns * self.moves_first, beyond, pace + self.moves_first, change
+        arcs = self.kicks.arcs(t_ns)
+        ramp_ns = self.ramp_s * NS
+        laps, places = self.kicks.places(arcs)
+        moved = self._moved_ns
+        moving = self._moves[places]
+        whole = laps * (moved[-1] - moved[1]) + moved[places] + moving * (t_ns - self.kicks.begins_ns(arcs))
+        while True:  # changes whose T is not over, the latest one first
+            x = (t_ns - self.kicks.begins_ns(arcs)) / ramp_ns
+            is_recent = (arcs > 0) & (x < 1.0)
+            if not is_recent.any():
+                return whole, beyond - 0.5 * ramp_ns * (moving - self.moves_first), pace + moving, change
+            x = np.where(is_recent, x, 0.0)
+            arcs = arcs - is_recent
+            sign = moving - self._moves[self.kicks.places(arcs)[1]]
+            moving = moving - sign
+            square = x * x
+            cube = square * x
+            beyond += sign * ramp_ns * (cube * x * (2.5 - 3.0 * x + square) - x)
+            pace += sign * (cube * (10.0 - 15.0 * x + 6.0 * square))
+            change += sign * (30.0 * square * (1.0 - x) ** 2) * (NS / ramp_ns)
 
 
 def ramp_s(band: Vector) -> float:

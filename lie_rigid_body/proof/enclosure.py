@@ -37,7 +37,7 @@ _MIN_BITS: Final = 128
 _MAX_BITS: Final = 1 << 16
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Enclosure:
     """Balls that hold the true state at one time.
 

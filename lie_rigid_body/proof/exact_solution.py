@@ -45,10 +45,9 @@ error.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from flint import acb, arb, ctx, fmpq, fmpq_poly
 
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.proof.balls import (
     Balls,
     added,
@@ -122,7 +121,7 @@ def _symmetric_top(start: Start, attitude: Balls, t: arb) -> tuple[Balls, Balls]
     return product(product(precession, attitude), spin), rate
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class _EnclosedPolhode:
     """The curve of the momentum in the principal frame that the module describes.
 
@@ -217,7 +216,7 @@ def _axis(start: Start, moment: arb) -> Balls:
     return scaled(1 / norm(longest), longest)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class _EnclosedCirculation:
     """The motion that circulates about axis 3: Jacobi's elliptic functions of modulus k below 1.
 

@@ -17,7 +17,6 @@ L. D. Landau, E. M. Lifshitz, Mechanics, 3rd ed., §37.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 
 import numpy as np
 from flint import fmpq, fmpq_mat
@@ -25,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, as_numbers
 from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody
 
 Rationals = tuple[fmpq, ...]
@@ -40,7 +40,7 @@ class Kind(enum.Enum):
     ABOUT_LARGEST = "circulates about the axis of the largest moment"
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Start:
     """Inertia and initial state of a motion, exactly.
 

@@ -52,7 +52,7 @@ NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """Names for a bag whose topics have their usual ones."""
 
 
-@short_dataclass(kw_only=True)
+@short_dataclass(kw_only=True, frozen=False)
 class BagFacts:
     """Facts of a bag beside its poses, twists and readings.
 

@@ -120,7 +120,7 @@ def unheard(count: int) -> None:
     """Take no notice of progress."""
 
 
-@short_dataclass()
+@short_dataclass(frozen=False)
 class McapContents:
     """Messages and metadata of a file, or of several that continue each other.
 

@@ -45,7 +45,7 @@ class NothingWholeError(BagError):
     """Error for a file of which nothing can be recovered."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Recovery:
     """Account of what was recovered of a file.
 

@@ -30,7 +30,7 @@ _HELD_BACK: Final = 1024
 """Number of samples that wait for others which stand behind them in the file, though they come first."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Block:
     """Samples that have both pose and twist, in the order of their stamps.
 

@@ -140,7 +140,7 @@ def grid(clock: SampleClock, numbers: Integers) -> Integers:
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class PlacedMessages:
     """Messages of a sensor's topic that belong to one segment.
 

@@ -36,7 +36,7 @@ def topic_types() -> dict[str, tuple[str, ...]]:
     return truth | {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Body:
     """The topics of one body.
 

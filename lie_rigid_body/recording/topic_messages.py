@@ -70,7 +70,7 @@ Kind: TypeAlias = tuple[str | None, bytes]
 fields that are no values."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class TopicMessages:
     """Messages of a topic of float64 fields, in file order, with every field.
 
@@ -241,7 +241,7 @@ def in_log_order(messages: Logged) -> Logged:
     return messages[np.lexsort((messages.stamps_ns, messages.log_times_ns))]
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class AttitudeTrack:
     """The attitudes of one topic, in file order, or in the order of their log times.
 

@@ -21,7 +21,7 @@ MAX_MESSAGES: Final = 100
 """Largest number of broken laws that are told in words."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Verdict:
     """Certificate of one body of a bag, or the reason why there is none.
 

@@ -37,7 +37,7 @@ MAX_PIECES: Final = 100
 """Largest number of pieces of a block of samples of which the largest residuals are kept."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class RecordedSegment(Block):
     """Samples of one segment, as recorded. See `Block` for the other parameters.
 
@@ -193,7 +193,7 @@ EYE: Final = np.array([0.748, 0.524, 0.407])
 """Unit vector in this direction."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Ellipsoid:
     """Ellipsoid ½ Σ Iᵢωᵢ² = H of the kinetic energy, on which the body rate runs in the principal frame.
 

@@ -186,8 +186,8 @@ def _left_by_errors(scenario: Scenario) -> float:
     told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths
     vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
     scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
-    fastest = np.linalg.norm([scenario.initial_body_rate, *scenario.kick_schedule().body_rate], axis=1).max()
-    fastest = scenario.rate_bound() if scenario.path() else fastest
+    rates = np.linalg.norm(scenario.arc_starts().body_rate, axis=1)
+    fastest = scenario.rate_bound() if scenario.path() else float(rates.max())
     rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * fastest
     return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 

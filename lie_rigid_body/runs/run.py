@@ -27,7 +27,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS_TOPIC
 from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.motion.kicks import Kicks
-from lie_rigid_body.motion.translation import MassCentre
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.logs import Log, read_log
 from lie_rigid_body.recording.samples import samples_in_memory
@@ -152,17 +152,17 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     @property
     def position(self) -> Array | None:
         """Position of the mass centre in the world frame, m, shape (N, 3)."""
-        return None if self._centre is None else self._centre.position
+        return getattr(self._centre, "position", None)
 
     @property
     def velocity(self) -> Array | None:
         """Velocity of the mass centre in the world frame, m/s, shape (N, 3)."""
-        return None if self._centre is None else self._centre.velocity
+        return getattr(self._centre, "velocity", None)
 
     @property
     def acceleration(self) -> Array | None:
         """Acceleration of the mass centre in the world frame, m/s², shape (N, 3)."""
-        return None if self._centre is None else self._centre.acceleration
+        return getattr(self._centre, "acceleration", None)
 
     @cached_property
     def kicks(self) -> Kicks:

@@ -21,7 +21,7 @@ YEAR_NS: Final = 366 * 86_400 * 10**9
 """Longest time after the start of a scenario at which an estimate may begin, ns."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class TrueMotion:
     """True motion as it is told: by scenarios, poses, or both.
 

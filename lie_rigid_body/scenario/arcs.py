@@ -40,5 +40,5 @@ def largest_of_arcs(scenario: Scenario) -> tuple[float, float]:
     """Largest kinetic energy, J, and size of the momentum, kg m²/s, right after the start or a kick."""
     body = scenario.body()
     starts = scenario.arc_starts()
-    momenta = np.linalg.norm(body.body_momentum(starts), axis=1)
-    return float(body.kinetic_energy(starts).max()), float(momenta.max())
+    largest = np.linalg.norm(body.body_momentum(starts), axis=1).max()
+    return float(body.kinetic_energy(starts).max()), float(largest)

@@ -8,14 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 from functools import partial, wraps
-from typing import Any, Final, TypeVar, cast
+from typing import Final, TypeVar, cast
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain, whole_number
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import NS, Value, require_frame_name
-from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
+from lie_rigid_body.foundation.parameters import NS, Value, Vector, require_frame_name
+from lie_rigid_body.foundation.wording import call_repr, numerals, shown
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
@@ -25,7 +25,7 @@ from lie_rigid_body.motion.kicked_steps import KickedSteps
 from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.path import Knots, PathTranslation, PosePath
 from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
-from lie_rigid_body.motion.translation import Carried, Parabola, SwayClock, Translation, ramp_s
+from lie_rigid_body.motion.translation import Fall, Sway, Translation, UniformAndMore, ramp_s
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
 from lie_rigid_body.sensors.noise import NoiseSource, harmonics
@@ -43,8 +43,6 @@ MAX_KICKS_PER_SAMPLE: Final = 100_000
 """Largest mean number of kicks from one sample to the next: they take minutes."""
 _STEPS_OF_A_KICK: Final = 64
 """Number of steps of the moving chart that take as long as a kick, about 1 ms."""
-_NOT_CARRIED: Final = "translation is not carried"
-_NO_PATH: Final = "motion is not path"
 _OF_MECHANICS: Final = (
     *("inertia", "initial_attitude_xyzw", "initial_body_rate", "kicks", "kick_period"),
     *("translation", "initial_position", "initial_velocity"),
@@ -86,24 +84,24 @@ class Scenario:
         Naming the parameter, its value, its limit and the remedy.
     """
 
-    inertia: tuple[float, ...]
-    initial_attitude_xyzw: tuple[float, ...]
-    initial_body_rate: tuple[float, ...]
+    inertia: Vector
+    initial_attitude_xyzw: Vector
+    initial_body_rate: Vector
     rate: float
     motion: str
     method: str
     max_step: float
-    kicks: tuple[float, ...]
+    kicks: Vector
     kick_period: float
     translation: str
-    initial_position: tuple[float, ...]
-    initial_velocity: tuple[float, ...]
-    sway_acceleration: tuple[float, ...]
-    sway_band: tuple[float, ...]
+    initial_position: Vector
+    initial_velocity: Vector
+    sway_acceleration: Vector
+    sway_band: Vector
     sway_seed: int
     path_file: str
     path_interval: float
-    path_knots: tuple[float, ...]
+    path_knots: Vector
     world_frame: str
     body_frame: str
     stamped_twist: bool
@@ -133,15 +131,14 @@ class Scenario:
             raise InputError(f"parameters {shown(given)} are no mapping: give for example {{'rate': 100.0}}")
         return cls(**{str(name): value for name, value in (given or {}).items()})
 
-    def resampled(self, *, rate: float | None = None, epoch_ns: int | None = None) -> Scenario:
-        """Sample the same motion and sensors at another rate, Hz, or from another stamp, ns.
+    def resampled(self, **values: object) -> Scenario:
+        """Sample the same motion and sensors at another ``rate``, Hz, or from another stamp, ``epoch_ns``, ns.
 
         Each is read as the parameter of its name; whether the motion can take the steps is not validated.
         """
         new = copy.copy(self)
-        for name, value in (("rate", rate), ("epoch_ns", epoch_ns)):
-            if value is not None:
-                object.__setattr__(new, name, _read(name, value))
+        for name, value in values.items():
+            object.__setattr__(new, name, BY_NAME[name].read(plain(value)))
         return new
 
     def __repr__(self) -> str:
@@ -169,13 +166,6 @@ class Scenario:
         of_sensors = dict(self.sensor_parameters)
         return of_sensors[parameter] if parameter in of_sensors else cast(Value, getattr(self, parameter))
 
-    def frame(self, parameter: str) -> str:
-        """Value of a frame parameter: the name of a frame."""
-        names = sorted({"world_frame", "body_frame", *frame_parameters()})
-        if str(parameter) not in names:
-            raise ParameterError(parameter, f"no such parameter: {suggestion(str(parameter), names, 'parameters')}")
-        return str(self.value(parameter))
-
     @property
     def has_sensors(self) -> bool:
         """Whether any sensor is on."""
@@ -184,16 +174,20 @@ class Scenario:
     @property
     def without_effect(self) -> list[str]:
         """Sentences, without their full stops, about parameters of what is off."""
-        unused = (
-            ("kick_period", not self.kicks, "there are no kicks"),
-            *((f"sway_{of}", self.translation != "carried", _NOT_CARRIED) for of in ("acceleration", "band", "seed")),
-            ("initial_velocity", self.translation == "none", "translation is none"),
-            *((f"path_{of}", self.motion != "path", _NO_PATH) for of in ("file", "interval", "knots")),
-        )
+        unused = {
+            "there are no kicks": (not self.kicks, ("kick_period",)),
+            "translation is not carried": (
+                self.translation != "carried",
+                ("sway_acceleration", "sway_band", "sway_seed"),
+            ),
+            "translation is none": (self.translation == "none", ("initial_velocity",)),
+            "motion is not path": (self.motion != "path", ("path_file", "path_interval", "path_knots")),
+        }
         return [
             *(
                 f"{name} has no effect, as {why}: give what switches it on"
-                for name, is_unused, why in unused
+                for why, (is_unused, names) in unused.items()
+                for name in names
                 if is_unused and getattr(self, name) != BY_NAME[name].default
             ),
             *without_effect(self._used_sensor_parameters()),
@@ -221,7 +215,10 @@ class Scenario:
         """State at the start: attitude and body rate."""
         if path := self.path():
             return path.at(0)
-        return State(self.initial_attitude_xyzw, self.initial_body_rate)
+        try:
+            return State(self.initial_attitude_xyzw, self.initial_body_rate)
+        except ParameterError as error:
+            raise ParameterError(f"initial_{error.name}", error.message) from None
 
     @_computed_once
     def kick_schedule(self) -> Kicks:
@@ -272,12 +269,11 @@ class Scenario:
         if path := self.path():
             return PathTranslation(path)
         if sway := self.sway():
-            starts_at_rest = not any(self.initial_body_rate)
-            clock = SwayClock(self.kick_schedule(), starts_at_rest=starts_at_rest, ramp_s=ramp_s(self.sway_band))
-            return Carried(self.initial_position, self.initial_velocity, sway, clock)
-        velocity = self.initial_velocity if self.moves else (0.0, 0.0, 0.0)
-        gravity = cast(float, self.value("gravity")) if self.translation == "thrown" else 0.0
-        return Parabola(self.initial_position, velocity, gravity)
+            moves_first = any(self.initial_body_rate)
+            further: Translation = Sway(sway, self.kick_schedule(), moves_first, ramp_s(self.sway_band))
+        else:
+            further = Fall(cast(float, self.value("gravity")) if self.translation == "thrown" else 0.0)
+        return UniformAndMore(self.initial_position, self.initial_velocity if self.moves else (0.0, 0.0, 0.0), further)
 
     def carrier(self) -> Carrier:
         """Carrier of the sensors: the body, and its acceleration."""
@@ -322,10 +318,9 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth.
         """
-        rate = self.rate if rate is None else _read("rate", rate)
         if self.motion != "moving_chart":
             return 1
-        return steps_between(1.0 / rate, self.longest_step)
+        return steps_between(1.0 / (rate or self.rate), self.longest_step)
 
     def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
         """Number of samples to compute at once, at least 1.
@@ -339,9 +334,7 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth or of the fastest sensor.
         """
-        at_most = whole_number("at_most", at_most, 1)
-        steps = whole_number("steps", steps, 1)
-        rate = max(self.rates) if rate is None else _read("rate", rate)
+        rate = rate or max(self.rates)
         of_kicks = int(_STEPS_OF_A_KICK * self.kick_schedule().per_second / rate)
         return max(1, min(at_most, steps // (self.steps_per_sample(rate) + of_kicks)))
 
@@ -378,7 +371,7 @@ class Scenario:
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body = self.body()
             self._require_path_alone()
-            self._valid_start()
+            self.start()
             _require_normal(body, self.arc_starts())
         kicks = self.kick_schedule().per_second / min(self.rates)
         if kicks > MAX_KICKS_PER_SAMPLE:
@@ -398,7 +391,7 @@ class Scenario:
         """Refuse a world that turns with the body: tf2 takes no frame that is its own parent."""
         of_sensors = frame_parameters() if self.has_sensors else ()
         for name in sorted({"body_frame", *of_sensors} - {"world_frame"}):
-            if self.frame(name) == self.world_frame:
+            if self.value(name) == self.world_frame:
                 raise ParameterError(name, f"{shown(self.world_frame)} is the world_frame as well: give another name")
 
     def _require_path_alone(self) -> None:
@@ -416,12 +409,6 @@ class Scenario:
                 "path_file", read if self.path_file else "motion path has no poses: give a file of them"
             )
         self.path()
-
-    def _valid_start(self) -> State:
-        try:
-            return self.start()
-        except ParameterError as error:
-            raise ParameterError(f"initial_{error.name}", error.message) from None
 
     def _require_possible_steps(self, fastest: float) -> None:
         """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""
@@ -442,10 +429,6 @@ class Scenario:
             )
 
 
-def _read(name: str, value: object) -> Any:
-    return BY_NAME[name].read(plain(value))
-
-
 def _shorter(longest: float) -> str:
     """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
     step = float(Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(longest))
@@ -463,7 +446,7 @@ def _rate_bounds(body: RigidBody, starts: State) -> Array:
         sizes = norm(starts.body_rate[lost])
         unit = State.trusted(starts.attitude_xyzw[lost], starts.body_rate[lost] / sizes[:, np.newaxis])
         bounds[lost] = sizes * np.sqrt(2.0 * body.kinetic_energy(unit)) / math.sqrt(smallest)
-    return np.asarray(bounds)
+    return bounds
 
 
 def _require_normal(body: RigidBody, starts: State) -> None:

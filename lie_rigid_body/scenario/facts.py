@@ -43,8 +43,8 @@ def facts(scenario: Scenario) -> dict[str, str]:
 
 
 def _mass_centre(scenario: Scenario) -> str:
-    position = numerals(scenario.initial_position)
-    start = f"{scenario.translation} from [{position}] m at [{numerals(scenario.initial_velocity)}] m/s"
+    position, velocity = map(numerals, (scenario.initial_position, scenario.initial_velocity))
+    start = f"{scenario.translation} from [{position}] m at [{velocity}] m/s"
     if scenario.translation == "thrown":
         return f"{start}, with a gravity of {scenario.value('gravity'):g} m/s²"
     low, high = scenario.sway_band
@@ -70,7 +70,7 @@ def beyond_rotation(scenario: Scenario) -> dict[str, Any]:
     count = MAX_ARCS if kicks.period_ns else min(MAX_ARCS, len(starts))
     arcs = []
     for number in range(count):
-        start = starts[(number - 1) % len(kicks) + 1 if number else 0]
+        start = starts[int(kicks.places(number)[1])]
         regime = describe(scenario.body(), start).regime
         arcs.append({"begin_s": kicks.begin_ns(number) / NS, "body_rate": start.body_rate.tolist(), "regime": regime})
     of_kicks = {

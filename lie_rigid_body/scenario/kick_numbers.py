@@ -12,12 +12,13 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import Parameter, exact_duration, read_table
 from lie_rigid_body.motion.kicks import MAX_KICKS
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
+from lie_rigid_body.sensors.parameters import seed as seed_parameter
 
 _ARGUMENTS: Final = (
     Parameter("interval", "double", 2.0, "Mean time from one kick to the next, s.", minimum=1e-6, maximum=1e9),
     Parameter("rate", "double", 1.5, "Largest body rate after a kick, rad/s.", minimum=0.0),
     Parameter("rest_probability", "double", 0.3, "Share of the kicks after which it rests.", minimum=0.0, maximum=1.0),
-    Parameter("seed", "int", 0, "Seed of all that is drawn.", minimum=0, maximum=2**63 - 1),
+    seed_parameter("seed", "Seed of all that is drawn."),
 )
 
 

@@ -11,7 +11,7 @@ from lie_rigid_body.motion.kicks import KICK_NUMBERS, MAX_KICKS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from lie_rigid_body.motion.path import KNOT_NUMBERS, MAX_KNOTS
 from lie_rigid_body.sensors import SENSORS, graded
-from lie_rigid_body.sensors.parameters import harmonics_parameters
+from lie_rigid_body.sensors.parameters import harmonics_parameters, not_negative, numbers, seed
 
 MAX_TRANSLATION: Final = 1e9
 """Largest size of positions, m, and velocities, m/s, on each axis, and the largest period of kicks, s."""
@@ -24,20 +24,12 @@ OWN: Final = (
         "Inertia about the mass centre, kg m²: 3 principal moments along the body axes, or ixx ixy ixz iyy iyz izz.",
         lengths=(3, 6),
     ),
-    Parameter(
+    numbers(
         "initial_attitude_xyzw",
-        "double_array",
         (0.0, 0.0, 0.0, 1.0),
         "Unit quaternion, scalar last, taking body vectors to world vectors at the start.",
-        lengths=(4,),
     ),
-    Parameter(
-        "initial_body_rate",
-        "double_array",
-        (0.01, 1.0, 0.01),
-        "Angular velocity in the body frame at the start, rad/s.",
-        lengths=(3,),
-    ),
+    numbers("initial_body_rate", (0.01, 1.0, 0.01), "Angular velocity in the body frame at the start, rad/s."),
     Parameter(
         "rate",
         "double",
@@ -55,13 +47,11 @@ OWN: Final = (
         choices=("moving_chart", "closed_form", "path"),
     ),
     Parameter("method", "string", DEFAULT_METHOD, "Stepper of the moving chart.", choices=tuple(METHODS)),
-    Parameter(
+    not_negative(
         "max_step",
-        "double",
-        DEFAULT_MAX_STEP,
         "Largest step of the moving chart, s; 0: as long as the method allows (dmv20: a turn of ¼ rad; others: 1 ms).",
-        minimum=0.0,
-        maximum=1e6,
+        DEFAULT_MAX_STEP,
+        1e6,
     ),
     Parameter(
         "kicks",
@@ -70,12 +60,9 @@ OWN: Final = (
         "Kicks, four numbers each: time, s since the start, and the body rate right after it, rad/s; zeros: a rest.",
         lengths=range(0, KICK_NUMBERS * MAX_KICKS + 1, KICK_NUMBERS),
     ),
-    Parameter(
+    not_negative(
         "kick_period",
-        "double",
-        0.0,
         "Time after which the kicks come again, s, longer than the time of the last one; 0: they come once.",
-        minimum=0.0,
         maximum=MAX_TRANSLATION,
     ),
     Parameter(
@@ -100,27 +87,18 @@ OWN: Final = (
     *harmonics_parameters(
         "sway", "the acceleration of the carried mass centre along each axis of the world", (0.2, 2.0)
     ),
-    Parameter(
-        "sway_seed",
-        "int",
-        0,
-        "Seed of the frequencies and phases of the sway.",
-        minimum=0,
-        maximum=2**63 - 1,
-    ),
+    seed("sway_seed", "Seed of the frequencies and phases of the sway."),
     Parameter(
         "path_file",
         "string",
         "",
         "Poses that the motion path goes through: TUM (t x y z qx qy qz qw, s), EuRoC CSV, t_ns,x,y,z,w, or a bag.",
     ),
-    Parameter(
+    not_negative(
         "path_interval",
-        "double",
-        0.03,
         "Poses of path_file that are nearer than that, s, are averaged into one knot of the path; 0: each is one.",
-        minimum=0.0,
-        maximum=1e6,
+        0.03,
+        1e6,
     ),
     Parameter(
         "path_knots",

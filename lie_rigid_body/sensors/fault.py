@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
@@ -39,7 +39,7 @@ END_OF_TIME: Final = 2**62
 """A time since a start that no run reaches, ns."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Fault:
     """One fault of a sensor, from its begin to its end.
 
@@ -105,7 +105,7 @@ def nanoseconds(seconds: float) -> int:
     return round(seconds * NS)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Window:
     """Time in which faults come and go, ns since the segment's start; the end is not part of it."""
 
@@ -129,10 +129,10 @@ class Window:
 
     def holds(self, times_ns: Integers) -> Booleans:
         """Tell of each time whether it is in the window, shape (N,)."""
-        return np.asarray((times_ns >= self.begin_ns) & (times_ns < self.end_ns))
+        return (times_ns >= self.begin_ns) & (times_ns < self.end_ns)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class IntermittentFault:
     """Episodes of one kind: one in each interval from the window's begin on, at a place in it that the seed decides.
 
@@ -213,7 +213,7 @@ class IntermittentFault:
                 yield number, begin, min(begin + self.duration_ns, self.window.end_ns)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class FaultModel(ABC):
     """The faults of one part of a sensor. `from_values` makes them of parameters with the names of the fields.
 
@@ -269,7 +269,7 @@ class FaultModel(ABC):
         """
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class TransportFaults(FaultModel):
     """Faults on the way of a sensor's readings to whoever listens.
 
@@ -324,7 +324,7 @@ class TransportFaults(FaultModel):
         if not self.dropout_probability:
             return np.zeros(len(times_ns), dtype=np.bool_)
         drawn = self.draws("dropout").of(numbers)[:, 0]
-        return np.asarray((drawn < self.dropout_probability) & self.window.holds(times_ns))
+        return (drawn < self.dropout_probability) & self.window.holds(times_ns)
 
     def delays_ns(self, first: int, count: int) -> Integers:
         """Delays of some readings, ns: latency and jitter, by which alone one could overtake another."""
@@ -357,7 +357,7 @@ class TransportFaults(FaultModel):
     def error_ns(self, measured_ns: Integers, epoch_ns: int) -> Integers:
         """Lead of the sensor's clock at some times, ns; see `stamps_ns`."""
         drift = np.rint(self.clock_skew * (measured_ns - epoch_ns)).astype(np.int64)
-        return np.asarray(nanoseconds(self.clock_offset) + drift)
+        return nanoseconds(self.clock_offset) + drift
 
     def measured_ns(self, stamps_ns: Integers, epoch_ns: int) -> Integers:
         """Times at which the sensor's clock shows some stamps, to 8 ns; see `stamps_ns`.
@@ -366,7 +366,7 @@ class TransportFaults(FaultModel):
         """
         since = stamps_ns - nanoseconds(self.clock_offset) - epoch_ns
         drift = np.rint(since * (self.clock_skew / (1.0 + self.clock_skew))).astype(np.int64)
-        return np.asarray(epoch_ns + since - drift)
+        return epoch_ns + since - drift
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
         """Faults of the delivery in a stretch of time; see `FaultModel`."""

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Vector, require_at_most
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
@@ -55,7 +55,7 @@ _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
 
 
-@dataclass(frozen=True, repr=False)
+@short_dataclass
 class ImuModel(SensorModel):
     """The model of an IMU. Its frame has the body's axes, but for the misalignments, at the end of the lever arm.
 
@@ -93,18 +93,14 @@ class ImuModel(SensorModel):
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], 1e6, "m")
         require_band("vibration_band", values["vibration_band"])
+        names = ("gyro_rate", "accelerometer_mode", "gravity", "vibration_acceleration", "vibration_band")
+        told = OrientationModel(**values_of(OrientationModel, sensor, values)) if values["imu_orientation"] else None
         return {
-            "gyro_rate": values["gyro_rate"],
+            **{name: values[name] for name in names},
             "gyro": TriadModel.from_values("gyro", values),
             "accelerometer": TriadModel.from_values("accelerometer", values),
-            "accelerometer_mode": values["accelerometer_mode"],
-            "gravity": values["gravity"],
             "lever_arm": values["accelerometer_lever_arm"],
-            "vibration_acceleration": values["vibration_acceleration"],
-            "vibration_band": values["vibration_band"],
-            "orientation": (
-                OrientationModel(**values_of(OrientationModel, sensor, values)) if values["imu_orientation"] else None
-            ),
+            "orientation": told,
         }
 
     @property
@@ -176,25 +172,14 @@ class IntegratedRate:
         -------
         ndarray, shape (N, 3)
             rad/s.
-
-        Raises
-        ------
-        InputError
-            If a stamp is not later than the one before.
         """
         times = np.concatenate([self._times, stamps_ns])
         attitudes = np.concatenate([self._attitudes, states.attitude_xyzw])
         intervals = np.diff(times)
-        if len(intervals) and intervals.min() <= 0:
-            worst = int(np.argmin(intervals))
-            raise InputError(
-                f"stamps_ns: {times[worst + 1]} follows {times[worst]}: an integrated rate needs stamps that rise, "
-                "the first one above before_ns"
-            )
         self._times = times[-1:]
         self._attitudes = attitudes[-1:]
         turns = quaternion.log(quaternion.multiply(quaternion.conjugate(attitudes[:-1]), attitudes[1:]))
-        return np.asarray(turns / (intervals / 1e9)[:, np.newaxis])
+        return turns / (intervals / 1e9)[:, np.newaxis]
 
 
 class SpecificForce:
@@ -301,7 +286,7 @@ class Imu(Instrument):
         }
 
 
-def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
+def _fixed(model: ImuModel) -> dict[str, Vector]:
     """Fields that are the same in all messages of readings (REP-145)."""
     return {
         **_UNORIENTED,
@@ -311,11 +296,11 @@ def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
     }
 
 
-def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
+def _fixed_of_bias(model: ImuModel) -> dict[str, Vector]:
     return _UNORIENTED
 
 
-_UNORIENTED: Final[dict[str, tuple[float, ...]]] = {
+_UNORIENTED: Final[dict[str, Vector]] = {
     "orientation": (0.0, 0.0, 0.0, 1.0),
     "orientation_covariance": (-1.0, *[0.0] * 8),
 }

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import Vector, require_at_most
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.inertia import apply_tensor
@@ -41,7 +41,7 @@ MAX_FIELD_T: Final = 1e3
 _KIND: Final = "magnetic_disturbance"
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class MagneticDisturbance(FaultModel):
     """A field that comes and goes: something of iron comes by, or a current flows for a while.
 
@@ -92,7 +92,7 @@ class MagneticDisturbance(FaultModel):
                 yield Fault(_KIND, self.sensor, axis, begin, end, size)
 
 
-@dataclass(frozen=True, repr=False)
+@short_dataclass
 class MagnetometerModel(SensorModel):
     """The model of a magnetometer in the field B of the world, at the attitude A.
 
@@ -190,7 +190,7 @@ class Magnetometer(Instrument):
         return {"field": Signal(signal, model.converter)}
 
 
-def _fixed(model: MagnetometerModel) -> dict[str, tuple[float, ...]]:
+def _fixed(model: MagnetometerModel) -> dict[str, Vector]:
     return {"magnetic_field_covariance": diagonal(model.variance)}
 
 

@@ -52,9 +52,14 @@ def angle(name: str, description: str) -> Parameter:
     return not_negative(name, description, maximum=math.pi)
 
 
-def numbers(name: str, default: tuple[float, ...], description: str) -> Parameter:
+def numbers(name: str, default: Vector, description: str) -> Parameter:
     """A parameter that is an array as long as its default."""
     return Parameter(name, "double_array", default, description, lengths=(len(default),))
+
+
+def seed(name: str, description: str) -> Parameter:
+    """A parameter that is a seed of random numbers."""
+    return Parameter(name, "int", 0, description, minimum=0, maximum=2**63 - 1)
 
 
 def harmonics_parameters(name: str, what: str, band: tuple[float, float]) -> tuple[Parameter, Parameter]:

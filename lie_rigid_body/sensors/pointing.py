@@ -27,7 +27,7 @@ from lie_rigid_body.sensors.sensor import (
 from lie_rigid_body.sensors.signal import Signal
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class OrientationModel:
     """The model of an orientation: exp(n_k) ⊗ A, with A the attitude and n_k a small rotation in the world frame.
 
@@ -43,7 +43,7 @@ class OrientationModel:
     heading_noise: float
 
     @property
-    def covariance(self) -> tuple[float, ...]:
+    def covariance(self) -> Vector:
         """Covariance of n, of small rotations about the fixed axes of the world, rad², row by row."""
         inclination = self.inclination_noise**2
         heading = self.heading_noise**2
@@ -59,7 +59,7 @@ class OrientationModel:
         return Signal(attitude)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class AttitudeSensorModel(SensorModel):
     """The model of an attitude sensor, such as a star tracker: the whole attitude, worst about its boresight.
 
@@ -108,7 +108,7 @@ class AttitudeSensorModel(SensorModel):
         across = self.cross_boresight_noise**2
         along = self.roll_noise**2
         sight = quaternion.rotate(attitude_xyzw, np.array(self.boresight))
-        return np.asarray(across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis]))
+        return across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis])
 
 
 def direction(values: Values, name: str) -> Vector:
@@ -156,7 +156,7 @@ class AttitudeSensor(Instrument):
         return {"attitude_xyzw": Signal(attitude), "covariance": Signal(self._model.covariance(attitude))}
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SunSensorModel(SensorModel):
     """The model of a sun sensor: exp(n_k) Aᵀ s, with A the attitude, s the sun's direction and n_k = σ ν_k.
 

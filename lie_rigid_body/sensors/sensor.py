@@ -28,7 +28,7 @@ BLOCK: Final = 16_384
 """Readings that are measured at once: the signals of more would fill the caches of a processor."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Carrier:
     """Carrier of sensors: a body, and its acceleration.
 
@@ -86,11 +86,6 @@ class Instrument(ABC):
         Returns
         -------
         dict of str to ndarray, shape (N, ...)
-
-        Raises
-        ------
-        InputError
-            If the instrument integrates over time and the times do not rise.
         """
         blocks = [slice(begin, begin + BLOCK) for begin in range(0, max(1, len(times_ns)), BLOCK)]
         signals = (self.signals(times_ns[rows], states[rows], first + rows.start) for rows in blocks)
@@ -98,7 +93,7 @@ class Instrument(ABC):
         return parts[0] if len(parts) == 1 else {n: np.concatenate([part[n] for part in parts]) for n in parts[0]}
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class VectorMeasurement:
     """A vector known in the world that a sensor reads in the body frame: it tells of the attitude.
 
@@ -128,7 +123,7 @@ class VectorMeasurement:
         return not self.noise
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class AttitudeMeasurement:
     """An attitude that a sensor reads, worst about one axis of the body.
 
@@ -150,7 +145,7 @@ class AttitudeMeasurement:
         return not (self.about and self.across)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SensorModel:
     """A sensor as its parameters describe it; each kind adds what is particular to it.
 
@@ -223,7 +218,7 @@ def _fault_models_in(part: object) -> Iterator[FaultModel]:
             yield from _fault_models_in(value)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Field:
     """A field of a sensor's message that differs from reading to reading.
 
@@ -255,12 +250,12 @@ class Field:
     shape: tuple[int, ...] = ()
 
 
-def diagonal(variance: float) -> tuple[float, ...]:
+def diagonal(variance: float) -> Vector:
     """Covariance, row by row, of three independent components of one variance."""
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Topic:
     """A topic of a sensor: messages of a std_msgs/Header and float64 numbers.
 
@@ -286,10 +281,10 @@ class Topic:
     title: str
     fields: tuple[Field, ...]
     frame: str = "body_frame"
-    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] | None = None
+    fixed: Callable[[Any], Mapping[str, Vector]] | None = None
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Sensor:
     """An entry of the table of sensors: everything particular to one sensor.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,7 +17,7 @@ _ROUND_OFF: Final = 2.0**-50
 """Relative round-off granted to a limit over a step: 0.3 holds three steps of 0.1, though 3 · 0.1 exceeds 0.3."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Converter:
     """A converter that counts in steps, and saturates at the last step within its range.
 
@@ -79,7 +78,7 @@ class Converter:
         step = self.resolution
         # the last multiple of the resolution
         largest = min(float(np.floor(limit / step * (1.0 + _ROUND_OFF))) * step, limit) if step else limit
-        return np.asarray(np.clip(values, -largest, largest))
+        return np.clip(values, -largest, largest)
 
     @property
     def variance(self) -> float:
@@ -87,7 +86,7 @@ class Converter:
         return self.resolution * self.resolution / 12.0
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Signal:
     """One quantity of an instrument before its converter.
 

@@ -11,7 +11,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.fault import STREAMS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
-from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches
+from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches, seed
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 
@@ -19,14 +19,7 @@ MIN_RATE: Final = 1e-6
 """Smallest sampling rate of a sensor, Hz."""
 _SHARED: Final = (
     Parameter("imu_frame", "string", "imu_link", "Name of the frame of the IMU and the magnetometer."),
-    Parameter(
-        "sensor_seed",
-        "int",
-        0,
-        "Seed of all noise: the same seed gives the same bytes.",
-        minimum=0,
-        maximum=2**63 - 1,
-    ),
+    seed("sensor_seed", "Seed of all noise: the same seed gives the same bytes."),
     Parameter(
         GRADE,
         "string",
@@ -81,7 +74,7 @@ for _sensor in (IMU_SENSOR, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR):
     SENSORS.register(_sensor)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Sensors:
     """The sensors on the body. Build them with `from_values`, which validates.
 
@@ -158,17 +151,16 @@ def without_effect(values: Mapping[str, Value]) -> list[str]:
     of_world = {*frame_parameters(), "accelerometer_mode"}  # a scenario tells what world it is without a sensor as well
     asked = {name for name, value in values.items() if value != usual[name] and name not in of_world}
     faults = fault_switches(SENSORS.parameters.values())
-    idle = [(sensor.switch, [p.name for p in sensor.all_parameters if p.name in asked]) for sensor in SENSORS.values()]
-    switches = {name: begins for sensor in SENSORS.values() for name, begins in sensor.switches.items()}
-    for switch, begins in {**switches, **faults}.items():
-        idle.append((switch, [name for name in SENSORS.parameters if name in asked and name.startswith(begins)]))
+    begins = {switch: own for sensor in SENSORS.values() for switch, own in sensor.switches.items()} | faults
+    every = SENSORS.parameters
+    switched = {sensor.switch: [p.name for p in sensor.all_parameters] for sensor in SENSORS.values()}
+    switched |= {switch: [name for name in every if name.startswith(own)] for switch, own in begins.items()}
     sentences = list[str]()
-    for switch, names in idle:
-        if not values[switch]:
-            names = [name for name in names if name in asked]
-            asked.difference_update(names)  # those of a sensor that is off are not told twice
-            if names:
-                sentences.append(_idle(names, f"{switch} is {'false' if values[switch] is False else 0}"))
+    for switch, names in switched.items():
+        idle = [name for name in names if name in asked and not values[switch]]
+        asked.difference_update(idle)  # those of a sensor that is off are not told twice
+        if idle:
+            sentences.append(_idle(idle, f"{switch} is {'false' if values[switch] is False else 0}"))
     window = [parameter.name for parameter in WINDOW_PARAMETERS if parameter.name in asked]
     if window and not any(values[switch] for switch in faults):
         sentences.append(_idle(window, "no fault that comes and goes is on"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +20,7 @@ from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.sensors.signal import Converter, Signal
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class TriadFaults(FaultModel):
     """The faults of a triad.
 
@@ -77,7 +76,7 @@ class TriadFaults(FaultModel):
         age = times_ns - self.window.begin_ns
         duration = nanoseconds(self.temperature_drift_duration)
         share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
-        return np.asarray(share[:, np.newaxis] * self.drifted)
+        return share[:, np.newaxis] * self.drifted
 
     def spikes(self, first: int, times_ns: Integers) -> Array:
         """Spikes in some readings, shape (N, 3), unit; see `TransportFaults.lost` for the arguments."""
@@ -188,7 +187,7 @@ class TriadFaultInjector:
         return held
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class TriadModel:
     """The model of a triad that measures the true quantity x, given in the body frame.
 
@@ -253,7 +252,7 @@ class TriadModel:
     @property
     def sensitivity(self) -> Array:
         """S R(μ)ᵀ, which takes body components of the truth to the sensor's axes; shape (3, 3)."""
-        return np.asarray(np.array(self.scale_factor)[:, np.newaxis] * so3.exp(self.misalignment).T)
+        return np.array(self.scale_factor)[:, np.newaxis] * so3.exp(self.misalignment).T
 
     @property
     def linear_errors(self) -> Array:

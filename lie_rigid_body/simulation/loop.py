@@ -13,7 +13,7 @@ from typing import Any, Final, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Integers, whole_number
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr
@@ -38,7 +38,7 @@ long."""
 _BEGIN: Final = attrgetter("begin_ns")
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SimulationStep:
     """Samples of the truth and readings of the sensors that were taken from a simulation at once, all of one segment.
 
@@ -246,7 +246,7 @@ class Simulation:
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples of the truth alone."""
-        return self._running[-1].truth.take(whole_number("count", count, 0))
+        return self._running[-1].truth.take(count)
 
     def take_until(self, stamp_ns: int, at_most: int) -> SimulationStep:
         """Take what comes next up to a time, from the truth and from every sensor, in one segment.
@@ -271,7 +271,6 @@ class Simulation:
         ParameterError
             If the next ones have no stamp in ROS. Then nothing is taken.
         """
-        at_most = whole_number("at_most", at_most, 1)
         running = self._oldest()
         fault_end_ns = self._faults.end_ns(at_most)
         stamp_ns = min(stamp_ns, running.end_ns, fault_end_ns, max(self.next_stamp_ns, MAX_EPOCH_NS))

@@ -12,12 +12,12 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
-from lie_rigid_body.motion.translation import MassCentre
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.sensors import SENSORS, Signal
 from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Samples:
     """States and their stamps.
 
@@ -54,7 +54,7 @@ class Samples:
         return Samples(stamps_ns, states, self.centre.joined(later.centre))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SensorSamples:
     """Readings of a sensor with their times.
 

@@ -17,7 +17,6 @@ from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors.fault import TransportFaults, nanoseconds
-from lie_rigid_body.system.bounded_input import MAX_NUMBER_LENGTH
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
@@ -26,7 +25,7 @@ MAX_SCENARIO_TEXT: Final = 1024 * 1024
 knot of a path."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class SampleClock:
     """Stamps by sample number: ``epoch_ns + round(k · 1e9 / rate)``, in exact arithmetic.
 
@@ -100,7 +99,7 @@ class SampleClock:
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Segment:
     """The torque-free motion between two resets, as a bag declares it.
 
@@ -184,7 +183,7 @@ def _scenario(parameters: str) -> Scenario:
 def _parsed(text: str) -> dict[str, Any]:
     """Parse a scenario message."""
     try:
-        content = json.loads(text, object_pairs_hook=_without_repeats, parse_int=_integer)
+        content = json.loads(text, object_pairs_hook=_without_repeats)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     if not isinstance(content, dict):
@@ -192,12 +191,6 @@ def _parsed(text: str) -> dict[str, Any]:
     if missing := [name for name in ("first_sample", "start_ns") if name not in content]:
         raise ValueError(f"it has no {missing[0]}")
     return content
-
-
-def _integer(digits: str) -> int:
-    if len(digits) > MAX_NUMBER_LENGTH:  # Python reads none of more than 4300 digits
-        raise ValueError(f"it has a number of {len(digits)} characters, where {MAX_NUMBER_LENGTH} are read")
-    return int(digits)
 
 
 def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:

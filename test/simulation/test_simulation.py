@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from fractions import Fraction
-from functools import partial
 
 import numpy as np
 import pytest
@@ -137,14 +136,6 @@ NO_NUMBERS = ['{"first_sample": 0}', '{"first_sample": -1, "start_ns": 0}', '{"f
 def test_other_texts_are_no_segment(text):
     with pytest.raises(InputError):
         Segment.from_json(text)
-
-
-@pytest.mark.parametrize("count", ["x", -1, 1.5, None, [1]])
-def test_what_is_no_number_of_samples_is_refused(count):
-    for take, name in ((simulation().take, "count"), (partial(simulation().take_until, 10**8), "at_most")):
-        with pytest.raises(ParameterError) as refusal:
-            take(count)
-        assert refusal.value.name == name
 
 
 PERIOD_NS = 10_000_000

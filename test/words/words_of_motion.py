@@ -3,12 +3,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 
 from lie_rigid_body import ClosedForm, InputError, MovingChart, ParameterError, RigidBody, State
-from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, ChainTableau
 from lie_rigid_body.motion.path import MAX_KNOTS, Knots, PosePath
 from lie_rigid_body.motion.time_steps import steps_to
 
@@ -66,11 +63,5 @@ REFUSED = {
         lambda: path(0.0, 0.2, 0.1, 0.3),
         lambda: path(0.0, 0.1, 0.2, 0.3, norm=0.9),
         lambda: path(0.0, 0.1, 0.2, 0.3, degrees=175.0),
-    ],
-    ValueError: [
-        lambda: ChainTableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),
-        lambda: ChainTableau("t", 1, (Fraction(1),), (Fraction(1),)),
-        lambda: ChainTableau("t", 1, (Fraction(0), Fraction(1)), (Fraction(1),)),
-        lambda: ChainTableau("t", 4, (*CLASSICAL.a[:2], Fraction(49, 100), CLASSICAL.a[3]), CLASSICAL.b),
     ],
 }

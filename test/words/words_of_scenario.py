@@ -116,16 +116,9 @@ REFUSED = {
         lambda: given(motion="path", path_knots=KNOTS).require_until(10**9),
         lambda: given(motion="path", path_knots=FAST_KNOTS, imu_rate=9.0, gyro_rate="integrated"),
         lambda: simulate(duration=1.0, imu_rate=10.0, imu_clock_offset=-0.5),
-        lambda: Scenario().frame("imu_frames"),
-        lambda: Scenario().frame("rate"),
-        lambda: Scenario().frame(["body_frame"]),
         lambda: Scenario().resampled(rate=np.nan),
         lambda: Scenario().resampled(rate=np.zeros((0, 3))),
         lambda: Scenario().resampled(epoch_ns=1.5),
-        lambda: Scenario().steps_per_sample(rate=0.0),
-        lambda: Scenario().batch_size(9, 9, rate="x"),
-        lambda: Scenario().batch_size("x", 1),
-        lambda: Scenario().batch_size(1, 0),
     ]
 }
 SAID = [

@@ -77,9 +77,9 @@ class EndlessClock(NamedTuple):
         """The phase at the start, in its unit."""
         return float(self.start[0])
 
-    def phase(self, time: DoubleDouble) -> DoubleDouble:
-        """The phase at a time in ns since the start."""
-        return add(multiply(self.rate, time), self.start)
+    def folded_phase(self, time: DoubleDouble) -> tuple[DoubleDouble, Number]:
+        """The phase at a time in ns since the start, and 1, as it is never folded."""
+        return add(multiply(self.rate, time), self.start), 1.0
 
 
 def half_turn_rate(rate: Decimal) -> DoubleDouble:

@@ -10,15 +10,15 @@ determinant.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from functools import lru_cache
-from typing import Final, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import PI, Tensor, Vector, dot, root, working_precision
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.attitude import AttitudeConstants, Four, Three, attitude_map, world_rotation
@@ -33,13 +33,13 @@ from lie_rigid_body.motion.closed_form.frame import (
     separatrix_determinant,
 )
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, PeriodicPrecession, RealTheta
-from lie_rigid_body.motion.closed_form.states import BodyMotion, LargeModulus, Separatrix, SmallModulus, Steady
+from lie_rigid_body.motion.closed_form.states import BodyMotion, LargeModulus, SmallModulus, Steady
 from lie_rigid_body.motion.motion import exact_inertia
 
 _INFINITY: Final = Decimal("Infinity")
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Polhode:
     """The closed path of the body rate in the body, and the motion along it.
 
@@ -69,6 +69,11 @@ class Polhode:
     negated_characteristic: Decimal
     ratio: Decimal
     start: Decimal
+
+    @property
+    def is_far(self) -> bool:
+        """Whether m ≤ ½: far from the separatrix."""
+        return 2 * self.m1 >= 1
 
     @classmethod
     def of(cls, frame: PrincipalFrame, determinant: Decimal) -> Polhode:
@@ -121,7 +126,7 @@ def frame_and_polhode(inertia: Tensor, body_rate: Sequence[float]) -> tuple[Prin
     return frame, Polhode.of(frame, determinant)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Periods:
     """Quarter periods of a polhode's elliptic functions, and the places of a pole, in the unit of u.
 
@@ -191,7 +196,7 @@ def motion_of(body: RigidBody, start: State) -> BodyMotion:
 def _steady(body_rate: Sequence[float], attitude: Four) -> Steady:
     x, y, z = (Decimal(component) for component in body_rate)
     speed = dot((x, y, z), (x, y, z)).sqrt()
-    a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
+    a, b, c = (float(component / (speed or 1)) for component in (x, y, z))
     across = quaternion.product(attitude, (a, b, c, 0.0))
     return Steady(half_turn_rate(speed), attitude, across, (float(x), float(y), float(z)))
 
@@ -214,41 +219,51 @@ def _general(
     frame: PrincipalFrame, polhode: Polhode, periods: Periods, mean_rate: Decimal, attitude: Four
 ) -> BodyMotion:
     """The motion from its constants and the attitude at the start."""
-    turning = half_turn_rate(mean_rate)
-    if 2 * polhode.m1 >= 1:
+    theta: Any = theta_functions(polhode, periods, FLOATS)
+    if polhode.is_far:
         # ζ = πu/2K
         scale = PI / (2 * periods.real)
-        clock = PhaseClock.of(scale * polhode.argument_rate, scale * polhode.start, 2 * PI)
-        theta = real_theta(periods)
-        precession = theta.periodic_precession(clock.initial_phase())
-        return SmallModulus(clock, theta, turning, _attitude(frame, polhode, precession, attitude))
-    # χ = πu/2K′
-    scale = PI / (2 * ellipk_complement(polhode.m))
+        period = 2 * PI
+    else:
+        # χ = πu/2K′
+        scale = PI / (2 * ellipk_complement(polhode.m))
+        period = 4 * scale * periods.real
     rate = scale * polhode.argument_rate
     start = scale * polhode.start
-    imaginary = imaginary_theta(periods)
-    if polhode.m1 == 0:
-        endless = EndlessClock.of(rate, start)
-        precession = imaginary.periodic_precession(endless.initial_phase())
-        return Separatrix(endless, imaginary, turning, _attitude(frame, polhode, precession, attitude))
-    clock = PhaseClock.of(rate, start, 4 * scale * periods.real)
-    precession = imaginary.periodic_precession(clock.initial_phase())
-    per_phase = frame.sense * imaginary.drift / (4.0 * math.pi)
-    return LargeModulus(clock, imaginary, turning, per_phase, _attitude(frame, polhode, precession, attitude))
+    clock: Any = PhaseClock.of(rate, start, period) if polhode.m1 else EndlessClock.of(rate, start)
+    turning = half_turn_rate(mean_rate)
+    placed = _attitude(frame, polhode, theta.periodic_precession(clock.initial_phase()), attitude)
+    if polhode.is_far:
+        return SmallModulus(clock, theta, turning, placed)
+    return LargeModulus(clock, theta, turning, frame.sense * theta.drift / (4.0 * math.pi), placed)
 
 
-def real_theta(periods: Periods) -> RealTheta:
-    """The elliptic functions of a polhode's periods for m ≤ ½."""
-    decay, codecay = (math.exp(-math.pi * float(x / periods.real)) for x in (periods.pole, periods.copole))
-    return RealTheta.of(decay * codecay, decay, codecay, -math.expm1(-math.pi * float(periods.pole / periods.real)))
+class Arithmetic(NamedTuple):
+    """The arithmetic of a kind of number: how to make one of a decimal, π, and functions."""
+
+    of: Callable[[Decimal], Any]
+    pi: Any
+    exp: Callable[[Any], Any]
+    expm1: Callable[[Any], Any]
+    sine: Callable[[Any], Any]
 
 
-def imaginary_theta(periods: Periods) -> ImaginaryTheta:
-    """The elliptic functions of a polhode's periods for m > ½."""
-    quarter = float(PI * periods.real / (2 * periods.imaginary))
-    beta, cobeta = (float(PI * x / (2 * periods.imaginary)) for x in (periods.pole, periods.copole))
-    drift = 0.0 if periods.real == _INFINITY else float(periods.pole / periods.real)
-    return ImaginaryTheta.of(math.exp(-2.0 * quarter), quarter, math.sin(beta), math.sin(cobeta), drift)
+FLOATS: Final = Arithmetic(float, math.pi, math.exp, math.expm1, math.sin)
+"""Doubles, of which the samples are made."""
+
+
+def theta_functions(polhode: Polhode, periods: Periods, arithmetic: Arithmetic) -> RealTheta | ImaginaryTheta:
+    """The elliptic functions of a polhode, whose constants are numbers of some arithmetic."""
+    places = periods.pole, periods.copole
+    if polhode.is_far:
+        exponents = [-arithmetic.pi * arithmetic.of(place / periods.real) for place in places]
+        decay, codecay = map(arithmetic.exp, exponents)
+        return RealTheta.of(decay * codecay, decay, codecay, -arithmetic.expm1(exponents[0]))
+    sine, cosine = (arithmetic.sine(arithmetic.of(PI * place / (2 * periods.imaginary))) for place in places)
+    quarter = arithmetic.of(PI * periods.real / (2 * periods.imaginary))
+    return ImaginaryTheta.of(
+        arithmetic.exp(-2 * quarter), quarter, sine, cosine, arithmetic.of(periods.pole / periods.real)
+    )
 
 
 def _attitude(

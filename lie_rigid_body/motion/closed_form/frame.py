@@ -1,7 +1,7 @@
 """The principal frame of a motion in decimals, and the two questions about it that only exact arithmetic answers.
 
-Is the rotation steady, and on which side of the separatrix is it? Doubles are integers times a power of two, and the
-answers do not change with the units of inertia and rate, so Python's integers are enough.
+Is the rotation steady, and on which side of the separatrix is it? Doubles are decimals of finitely many digits, and so
+are their sums and products, which are exact where the precision has no limit.
 
 A moment wrong by 1e-16 turns the body by 1e-9 rad in 1e7 s at 1 rad/s, so the moments are needed to more digits than
 doubles have.
@@ -10,13 +10,11 @@ doubles have.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from decimal import Decimal
-from typing import Final, TypeVar
+from decimal import MAX_PREC, Decimal
+from typing import Final
 
-from lie_rigid_body.arithmetic.decimals import PrincipalAxes, Tensor, Vector, diagonalised, dot
-
-Exact = TypeVar("Exact", int, Decimal)
+from lie_rigid_body.arithmetic.decimals import PrincipalAxes, Tensor, Vector, diagonalised, dot, working_precision
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 DIAGONAL_DIGITS: Final = 50
 """Decimal digits where the inertia is diagonal: no sum cancels, and time multiplies some rates by 1e10 rad."""
@@ -48,8 +46,10 @@ def is_steady(inertia: Tensor, rate: Sequence[float]) -> bool:
     rate : 3 numbers
         ω, body frame.
     """
-    _, omega, momentum, _ = _in_integers(inertia, rate)
-    return cross(omega, momentum) == (0, 0, 0)
+    with working_precision(MAX_PREC):
+        omega = [Decimal(component) for component in rate]
+        momentum = [dot([Decimal(entry) for entry in row], omega) for row in inertia]
+        return not any(cross(omega, momentum))
 
 
 def separatrix_determinant(inertia: Tensor, rate: Sequence[float]) -> Decimal:
@@ -59,33 +59,21 @@ def separatrix_determinant(inertia: Tensor, rate: Sequence[float]) -> Decimal:
     its first factor is negative and its last positive, so it has the sign of l² − 2H I₂. It is positive when the
     momentum circulates about axis 3, negative when about axis 1, and zero exactly on the separatrix.
     """
-    entries, omega, momentum, scale = _in_integers(inertia, rate)
-    energy = _dot(omega, momentum)
-    square = _dot(momentum, momentum)
-    first, *others = ([energy * entries[3 * i + j] - (square if i == j else 0) for j in range(3)] for i in range(3))
-    return Decimal(_dot(first, cross(*others))) / Decimal(scale) ** 6
+    with working_precision(MAX_PREC):
+        omega = [Decimal(component) for component in rate]
+        rows = [[Decimal(entry) for entry in row] for row in inertia]
+        momentum = [dot(row, omega) for row in rows]
+        energy = dot(omega, momentum)
+        square = dot(momentum, momentum)
+        first, *others = (
+            [energy * x - (square if i == j else 0) for j, x in enumerate(row)] for i, row in enumerate(rows)
+        )
+        determinant = dot(first, cross(*others))
+    return +determinant
 
 
-def _in_integers(inertia: Tensor, rate: Sequence[float]) -> tuple[list[int], list[int], list[int], int]:
-    """Entries of M, ω and Mω as integers, and the product of the powers of two that M and ω are multiplied by."""
-    entries, inertia_scale = _integers([entry for row in inertia for entry in row])
-    omega, rate_scale = _integers(rate)
-    return entries, omega, [_dot(entries[3 * i : 3 * i + 3], omega) for i in range(3)], inertia_scale * rate_scale
-
-
-def _integers(values: Sequence[float]) -> tuple[list[int], int]:
-    """The values as integers over one common denominator, a power of two."""
-    ratios = [float(value).as_integer_ratio() for value in values]
-    common = max(denominator for _, denominator in ratios)
-    return [numerator * (common // denominator) for numerator, denominator in ratios], common
-
-
-def _dot(a: Sequence[int], b: Sequence[int]) -> int:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Sequence[Exact], b: Sequence[Exact]) -> tuple[Exact, Exact, Exact]:
-    """The vector product of integers or decimals."""
+def cross(a: Sequence[Decimal], b: Sequence[Decimal]) -> Vector:
+    """The vector product in the precision in force."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
@@ -96,7 +84,7 @@ def principal_axes(inertia: Tensor, digits: int) -> PrincipalAxes:
     return (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k])
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class PrincipalFrame:
     """A right-handed frame of principal axes, in which the momentum circulates about the positive third axis.
 
@@ -123,13 +111,13 @@ class PrincipalFrame:
         """The frame of a motion that starts with this ω (body frame, rad/s) and is not steady."""
         moments, axes = principal
         if not about_largest:
-            moments = moments[2], moments[1], moments[0]
-            axes = axes[2], axes[1], axes[0]
+            moments = moments[::-1]
+            axes = axes[::-1]
         first = _along(axes[0], body_rate)
         third = _along(axes[2], body_rate)
         axes = (first, cross(third, first), third)
-        rate = (dot(axes[0], body_rate), dot(axes[1], body_rate), dot(axes[2], body_rate))
-        return cls(moments, axes, rate, 1 if about_largest else -1)
+        x, y, z = (dot(axis, body_rate) for axis in axes)
+        return cls(moments, axes, (x, y, z), 1 if about_largest else -1)
 
 
 def _along(axis: Vector, direction: Vector) -> Vector:

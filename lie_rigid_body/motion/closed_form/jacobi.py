@@ -87,10 +87,8 @@ class ThetaQuotients(NamedTuple):
     cosine: Cubic
 
 
-class RealTheta(NamedTuple):
+class RealTheta(ThetaQuotients):
     """Elliptic functions for m ≤ ½, by theta functions of the real argument ζ = πu/2K."""
-
-    quotients: ThetaQuotients
 
     @classmethod
     def of(cls, q: float, power: float, copower: float, complement: float) -> RealTheta:
@@ -124,38 +122,35 @@ class RealTheta(NamedTuple):
             square * copower * (1 - power**7),
         )
         return cls(
-            ThetaQuotients(
-                nome=q,
-                # DLMF 22.2.4-22.2.6; the constant factors follow from sn K = cn 0 = dn 0 = 1
-                sn=_times(p1, value(p4, -2 * q) / value(p1, -2 * q)),
-                cn=_times(p2, unity / value(p2, 2 * q)),
-                dn=_times(p3, unity / value(p3, 2 * q)),
-                denominator=p4,
-                sine=odd_sines(q, cosh),
-                cosine=odd_cosines(q, sinh),
-            )
+            nome=q,
+            # DLMF 22.2.4-22.2.6; the constant factors follow from sn K = cn 0 = dn 0 = 1
+            sn=_times(p1, value(p4, -2 * q) / value(p1, -2 * q)),
+            cn=_times(p2, unity / value(p2, 2 * q)),
+            dn=_times(p3, unity / value(p3, 2 * q)),
+            denominator=p4,
+            sine=odd(q, q, cosh),
+            cosine=odd(q, -q, sinh),
         )
 
     def periodic_precession(self, phase: float) -> PeriodicPrecession:
         """The angle Θ at one ζ."""
         s = math.sin(phase)
         c = math.cos(phase)
-        z = 2.0 * self.quotients.nome * ((c - s) * (c + s))
-        return s * float(value(self.quotients.sine, z)), c * float(value(self.quotients.cosine, z)), 0.0
+        z = 2.0 * self.nome * ((c - s) * (c + s))
+        return s * float(value(self.sine, z)), c * float(value(self.cosine, z)), 0.0
 
     def values(self, s: Number, c: Number) -> EllipticValues:
         """The elliptic functions at any ζ, from its sine and cosine."""
-        theta = self.quotients
         # z = 2q cos 2ζ
-        z = 2 * theta.nome * ((c - s) * (c + s))
+        z = 2 * self.nome * ((c - s) * (c + s))
         # 1/θ₄
-        inverse = 1 / value(theta.denominator, z)
+        inverse = 1 / value(self.denominator, z)
         return EllipticValues(
-            s * (value(theta.sn, z) * inverse),
-            c * (value(theta.cn, z) * inverse),
-            value(theta.dn, z) * inverse,
-            s * value(theta.sine, z),
-            c * value(theta.cosine, z),
+            s * (value(self.sn, z) * inverse),
+            c * (value(self.cn, z) * inverse),
+            value(self.dn, z) * inverse,
+            s * value(self.sine, z),
+            c * value(self.cosine, z),
         )
 
 
@@ -207,8 +202,8 @@ class ImaginaryTheta(NamedTuple):
             cn=_times(p4, unity / value(p4, 2 * q)),
             dn=_times(p3, unity / value(p3, 2 * q)),
             denominator=p2,
-            sine=odd_sines(q, _times_powers(cosines, q)),
-            cosine=odd_cosines(q, _times_powers(sines, q)),
+            sine=odd(q, q, _times_powers(cosines, q)),
+            cosine=odd(q, -q, _times_powers(sines, q)),
         )
         return cls(quotients, quarter, drift)
 
@@ -262,17 +257,8 @@ def _times_powers(values: list[float], q: float) -> Cubic:
     return a, b, c, d
 
 
-def odd_sines(q: float, weights: Cubic) -> Cubic:
-    """Σ (−1)ⁿ wₙ qⁿ² sin((2n+1)ζ)/sin ζ as a polynomial in z."""
-    return _odd(q, q, weights)
-
-
-def odd_cosines(q: float, weights: Cubic) -> Cubic:
-    """Σ (−1)ⁿ wₙ qⁿ² cos((2n+1)ζ)/cos ζ as a polynomial in z."""
-    return _odd(q, -q, weights)
-
-
-def _odd(q: float, signed: float, weights: Cubic) -> Cubic:
+def odd(q: float, signed: float, weights: Cubic) -> Cubic:
+    """Σ (−1)ⁿ wₙ qⁿ² sin((2n+1)ζ)/sin ζ as a polynomial in z; with −q for ``signed`` the same of cosines."""
     # with x = 2 cos 2ζ = z/q the quotients of sines are 1, x + 1, x² + x − 1, x³ + x² − 2x − 1, those of cosines the
     # same with x − 1, x² − x − 1, x³ − x² − 2x + 1: the sign of each odd power of q changes
     w0, w1, w2, w3 = weights
@@ -296,8 +282,8 @@ def even_cosines(q: float, sign: float) -> Cubic:
 def theta_cubics(q: float) -> tuple[Cubic, Cubic, Cubic, Cubic]:
     """P₁, P₂, P₃ and P₄ of the module's docstring."""
     return (
-        odd_sines(q, (1, q, q * q, q * q * q)),
-        odd_cosines(q, (1, -q, q * q, -q * q * q)),
+        odd(q, q, (1, q, q * q, q * q * q)),
+        odd(q, -q, (1, -q, q * q, -q * q * q)),
         even_cosines(q, 1),
         even_cosines(q, -1),
     )

@@ -2,7 +2,7 @@
 
 - small modulus: m ≤ ½, elliptic functions by theta functions of real argument;
 - large modulus: m > ½, by theta functions of imaginary argument;
-- separatrix: m = 1, the same with a nome of 0 and a phase that never returns;
+- separatrix: m = 1, the same with a nome of 0 and a clock whose phase never returns;
 - steady: rotation about a fixed axis, and rest.
 
 The times are floats or arrays, and so are the numbers of the states; their bits are the same.
@@ -45,11 +45,11 @@ class SmallModulus(NamedTuple):
 
 
 class LargeModulus(NamedTuple):
-    """A motion with ½ < m < 1.
+    """A motion with m > ½.
 
     Attributes
     ----------
-    clock : PhaseClock
+    clock : PhaseClock or EndlessClock
         Of the phase χ of the theta functions.
     theta : ImaginaryTheta
     half_turn_rate : DoubleDouble
@@ -59,7 +59,7 @@ class LargeModulus(NamedTuple):
     attitude : AttitudeConstants
     """
 
-    clock: PhaseClock
+    clock: PhaseClock | EndlessClock
     theta: ImaginaryTheta
     half_turn_rate: DoubleDouble
     half_turn_per_phase: float
@@ -73,30 +73,6 @@ class LargeModulus(NamedTuple):
         hi, lo = turns_from_zero(self.half_turn_rate, time)
         total, error = two_sum(hi, self.half_turn_per_phase * phase[0])
         return self.attitude.sample(values, remainder(fast_two_sum(total, error + lo)))
-
-
-class Separatrix(NamedTuple):
-    """A motion exactly on the separatrix, m = 1.
-
-    Attributes
-    ----------
-    clock : EndlessClock
-        Of the phase χ of the theta functions.
-    theta : ImaginaryTheta
-    half_turn_rate : DoubleDouble
-        Rate of half of ψ's mean growth, turns/ns.
-    attitude : AttitudeConstants
-    """
-
-    clock: EndlessClock
-    theta: ImaginaryTheta
-    half_turn_rate: DoubleDouble
-    attitude: AttitudeConstants
-
-    def sample(self, time: DoubleDouble) -> Sample:
-        """The state at a time in ns."""
-        values = self.theta.values(self.clock.phase(time))
-        return self.attitude.sample(values, turns_from_zero(self.half_turn_rate, time))
 
 
 class Steady(NamedTuple):
@@ -127,4 +103,4 @@ class Steady(NamedTuple):
         return (x * size, y * size, z * size, w * size, *self.body_rate)
 
 
-BodyMotion: TypeAlias = SmallModulus | LargeModulus | Separatrix | Steady
+BodyMotion: TypeAlias = SmallModulus | LargeModulus | Steady

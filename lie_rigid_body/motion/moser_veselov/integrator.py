@@ -50,7 +50,8 @@ class MoserVeselovIntegrator:
             attitude = self._frame.inward(start.attitude_xyzw.tolist())
             x, y, z, w = map(from_decimal, attitude)
             self.constants = stepper_constants(motion, order, rotated(attitude, motion.momentum))
-            none_yet = Step((-1.0, 0.0), (ZERO, ZERO, ZERO), (ZERO, ZERO, ZERO), ZERO, (ZERO, ZERO, ZERO))
+            zeros = (ZERO, ZERO, ZERO)
+            none_yet = Step((-1.0, 0.0), zeros, zeros, ZERO, zeros)
             self.start = StepperState(_three(motion.momentum), (x, y, z, w), 0.0, none_yet)
             self.fastest = float(motion.fastest)
 
@@ -99,9 +100,9 @@ def _three(values: Iterable[Decimal]) -> Three:
     return a, b, c
 
 
-def _series(motion: Invariants[Decimal], terms: int) -> tuple[PowerSeries, PowerSeries]:
+def _series(motion: Invariants, terms: int) -> tuple[PowerSeries, PowerSeries]:
     """The series of α and β: decimal terms first, then the later ones in doubles; α ends one term earlier."""
-    in_doubles = Invariants[float](*map(float, vars(motion).values()))
+    in_doubles = Invariants(*map(float, motion))
     exact = preprocessed_inertia(motion, min(terms, _EXACT_TERMS))
     later = preprocessed_inertia(in_doubles, terms)
     alpha, beta = (

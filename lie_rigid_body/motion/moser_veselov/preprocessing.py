@@ -23,9 +23,8 @@ The numbers may be Decimals or doubles.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from decimal import Decimal
-from typing import Generic, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from lie_rigid_body.motion.moser_veselov.principal_frame import DimensionlessMotion
 
@@ -33,8 +32,7 @@ Number = TypeVar("Number", Decimal, float)
 Series: TypeAlias = list[Number]
 
 
-@dataclass(frozen=True)
-class Invariants(Generic[Number]):
+class Invariants(NamedTuple):
     """The constants of the motion that its Taylor series depend on, formed so that nothing cancels in the series.
 
     Axes 1 and 3 are those of the frame or exchanged, which changes neither α nor β, so that e₁ ≤ e₃.
@@ -49,32 +47,26 @@ class Invariants(Generic[Number]):
         n₁² and n₃² where n₂ = 0.
     """
 
-    a_rate: Number
-    c_rate: Number
-    f1: Number
-    f2: Number
-    f3: Number
-    m1: Number
-    m3: Number
+    a_rate: Any
+    c_rate: Any
+    f1: Any
+    f2: Any
+    f3: Any
+    m1: Any
+    m3: Any
 
     @classmethod
-    def of(cls, motion: DimensionlessMotion) -> Invariants[Decimal]:
+    def of(cls, motion: DimensionlessMotion) -> Invariants:
         """The invariants of a motion in its own units."""
         e1, e2, e3 = motion.inverse_moments
         (e1, m1), (e3, m3) = sorted([(e1, motion.m1), (e3, motion.m3)])
         difference = e1 - e3
-        return Invariants(
-            a_rate=(e3 - e2) * difference * m3,
-            c_rate=(e2 - e1) * difference * m1,
-            f1=e1 / 2,
-            f2=e2 * difference / 2,
-            f3=e3 / 2,
-            m1=m1,
-            m3=m3,
-        )
+        a_rate = (e3 - e2) * difference * m3
+        c_rate = (e2 - e1) * difference * m1
+        return Invariants(a_rate, c_rate, e1 / 2, e2 * difference / 2, e3 / 2, m1, m3)
 
 
-def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series[Number], Series[Number]]:
+def preprocessed_inertia(motion: Invariants, terms: int) -> tuple[Series[Any], Series[Any]]:
     """The series of α and β for a step h, in the unit of time of `DimensionlessMotion`.
 
     Parameters
@@ -91,10 +83,9 @@ def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series
         β = h (beta[0] + beta[1] h² + …).
     """
     a, c, s, x, y, z, w = _half_step(motion, terms)
-    m1 = motion.m1
-    m3 = motion.m3
+    *_, m1, m3 = motion
     # with the half step mirrored, the whole one has the quaternion (√m₁ρ₁, 0, √m₃ρ₃, 1 − 2t²(m₁x² + m₃z²))
-    sines: Series[Number] = [m1 * p + m3 * q for p, q in zip(_times(x, x), _times(z, z), strict=True)]
+    sines: Series[Any] = [m1 * p + m3 * q for p, q in zip(_times(x, x), _times(z, z), strict=True)]
     whole = [w[0], *(-2 * p for p in sines[:-1])]
     turn = [2 * (p - m3 * q) for p, q in zip(_times(w, x), _times(y, z), strict=True)]
     # d₁ = α + βe₁; either of d₁ and d₃ gives α, and the smaller cancels less
@@ -105,17 +96,13 @@ def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series
     return [p / 2 ** (2 * k + 1) for k, p in enumerate(alpha)][1:], [p / 2 ** (2 * k + 1) for k, p in enumerate(beta)]
 
 
-def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], ...]:
+def _half_step(motion: Invariants, terms: int) -> tuple[Series[Any], ...]:
     """Taylor coefficients of the motion after the symmetric phase, n₂ = 0, in powers of t².
 
     Each line is one component of Euler's equations or of q̇ = ½ q ⊗ ω, compared power by power. The coefficient n of an
     even function of t is that of its derivative divided by 2n, of an odd one divided by 2n + 1.
     """
-    f1 = motion.f1
-    f2 = motion.f2
-    f3 = motion.f3
-    m1 = motion.m1
-    m3 = motion.m3
+    a_rate, c_rate, f1, f2, f3, m1, m3 = motion
     zero = f1 - f1
     a, c, w, s = ([zero + 1] for _ in range(4))
     x = [f1]
@@ -123,8 +110,8 @@ def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], 
     z = [f3]
     for n in range(1, terms):
         k = n - 1
-        a.append(motion.a_rate * _term(s, c, k) / (2 * n))
-        c.append(motion.c_rate * _term(s, a, k) / (2 * n))
+        a.append(a_rate * _term(s, c, k) / (2 * n))
+        c.append(c_rate * _term(s, a, k) / (2 * n))
         w.append(-(m1 * (f1 * _term(x, a, k) + m3 * f2 * _term(y, s, k)) + m3 * f3 * _term(z, c, k)) / (2 * n))
         y.append((f2 * _term(w, s, k) + f1 * _term(z, a, k) - f3 * _term(x, c, k)) / (2 * n))
         s.append(_term(a, c, n) / (2 * n + 1))

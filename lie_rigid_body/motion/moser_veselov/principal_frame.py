@@ -11,7 +11,6 @@ All arithmetic but that of `CyclicFrame.outward` is decimal, in the precision in
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
 from typing import Final
@@ -20,6 +19,7 @@ import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import Tensor, Vector, diagonalised, dot
 from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
@@ -27,7 +27,7 @@ DIGITS: Final = 60
 """Decimal digits that the constants of a motion are computed with."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class CyclicFrame:
     """The principal axes of a body, that of the intermediate moment second, in a cyclic order of the body's own.
 
@@ -89,7 +89,7 @@ class CyclicFrame:
         return quaternion.conjugate(np.array(self.rotation, np.float64)), np.array(rows, np.float64)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class DimensionlessMotion:
     """A torque-free motion in the principal frame, in units of its own momentum and its largest body rate.
 
@@ -99,8 +99,6 @@ class DimensionlessMotion:
         e₁, e₂, e₃: body rate per momentum along each axis.
     momentum : tuple of 3 Decimal
         n, the unit vector of the body momentum at the start.
-    twice_energy : Decimal
-        2H = Σ eⱼnⱼ².
     m1, m3 : Decimal
         n₁² and n₃² where n₂ = 0, which every motion passes, or comes arbitrarily near to.
     fastest : Decimal
@@ -109,7 +107,6 @@ class DimensionlessMotion:
 
     inverse_moments: Vector
     momentum: Vector
-    twice_energy: Decimal
     m1: Decimal
     m3: Decimal
     fastest: Decimal
@@ -136,8 +133,7 @@ class DimensionlessMotion:
         # the square of the body rate, Σ eⱼ²nⱼ², is largest where n₂ = 0
         fastest = (e1 * e1 * m1 + e3 * e3 * m3).sqrt()
         scaled = (e1 / fastest, e2 / fastest, e3 / fastest)
-        energy = scaled[0] * m1 + scaled[2] * m3
-        return cls(scaled, (x, y, z), energy, m1, m3, size * fastest)
+        return cls(scaled, (x, y, z), m1, m3, size * fastest)
 
 
 def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:

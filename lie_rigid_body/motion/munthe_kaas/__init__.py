@@ -2,7 +2,7 @@
 
 Modules:
 
-- `tableau`: the coefficients of the methods, which check themselves;
+- `tableau`: the coefficients of the methods;
 - `loop`: the steps in plain numbers, run compiled or not;
 - `integrator`: one body's motion, and how long its steps may be.
 """

@@ -16,6 +16,7 @@ import math
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from lie_rigid_body.compilation import kernel
+from lie_rigid_body.lie.quaternion import product
 from lie_rigid_body.lie.series import DEXPINV_QUADRATIC, SERIES_LIMIT
 
 Three: TypeAlias = tuple[float, float, float]
@@ -128,19 +129,15 @@ def half_angle(s: float) -> tuple[float, float]:
     return math.sin(0.5 * theta) / theta, math.cos(0.5 * theta)
 
 
+kernel(product)
+
+
 @kernel
 def recentred(attitude: Four, beta: Three) -> Four:
     """The next centre A₀ exp(hat(β)), as q ⊗ (β sin(θ/2)/θ, cos(θ/2)), brought to unit norm by one Newton step."""
-    x, y, z, w = attitude
     a, b, c = beta
-    ratio, d = half_angle(a * a + b * b + c * c)
-    a = ratio * a
-    b = ratio * b
-    c = ratio * c
-    p = w * a + x * d + y * c - z * b
-    q = w * b - x * c + y * d + z * a
-    r = w * c + x * b - y * a + z * d
-    s = w * d - x * a - y * b - z * c
+    ratio, cosine = half_angle(a * a + b * b + c * c)
+    p, q, r, s = product(attitude, (ratio * a, ratio * b, ratio * c, cosine))
     # 1/|q| = 1 − ½(|q|² − 1) + O((|q|² − 1)²)
     scale = 1.5 - 0.5 * (p * p + q * q + r * r + s * s)
     return scale * p, scale * q, scale * r, scale * s

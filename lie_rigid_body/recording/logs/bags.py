@@ -32,7 +32,7 @@ _TRUE: Final = tuple(f"/{topic.name}" for sensor in SENSORS.values() for topic i
 """Topics of this package that tell the true errors of readings."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Vectors:
     """Readings of one sensor, in the order of the file.
 

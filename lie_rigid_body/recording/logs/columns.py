@@ -31,7 +31,7 @@ _APPLE: Final = ("accelerometer", "acceleration")
 """Words of SensorLog, which writes what Apple's systems read: the opposite of the specific force."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Triple:
     """Three columns of a table with the axes of a sensor.
 

@@ -94,7 +94,7 @@ LAYOUTS: Final[Mapping[str, tuple[str, Mapping[str, str]]]] = {
 """Programs that are known by the name of a column, and their units that no header tells."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Heading:
     """The header of a column.
 

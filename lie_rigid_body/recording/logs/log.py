@@ -22,7 +22,7 @@ _ROS_1: Final = ".bag"
 _OF_BAGS: Final = (*SUFFIXES, ".mcap.zstd", METADATA_FILE)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Log:
     """Readings of a log in SI units, in the order of the file, whatever is wrong with them.
 

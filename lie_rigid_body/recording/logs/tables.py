@@ -26,7 +26,7 @@ _LONG: Final = ("Attribute", "Time stamp", "x", "y", "z")
 """Columns of a table whose rows name their sensor."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class TextTable:
     """The header of a table, and how to read its rows.
 

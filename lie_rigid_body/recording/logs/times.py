@@ -108,7 +108,7 @@ def first_times(texts: Sequence[str]) -> Array:
     return found[np.isfinite(found)]
 
 
-@short_dataclass(frozen=True)
+@short_dataclass
 class Clock:
     """A column of time.
 

@@ -21,24 +21,27 @@ from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
 
-_PATH: Final = "the path is read at the start: start the node anew with it"
-_NEW_NODE: Final = "start the node anew with it"
-FIXED: Final[Mapping[str, str]] = {
-    "stamped_twist": f"a topic keeps its type: {_NEW_NODE}",
-    "epoch_ns": f"stamps go on rising: {_NEW_NODE}",
+_PATH: Final = "the path is read at the start"
+_FOR_PUBLISHERS: Final = "publishers are made at the start"
+_WHY_FIXED: Final = {
+    "stamped_twist": "a topic keeps its type",
+    "epoch_ns": "stamps go on rising",
     "path_file": _PATH,
     "path_interval": _PATH,
     "path_knots": _PATH,
-    "record_path": f"the bag is begun with the first sample: {_NEW_NODE}",
-    "publish_clock": f"publishers are made at the start: {_NEW_NODE}",
+    "record_path": "the bag is begun with the first sample",
+    "publish_clock": _FOR_PUBLISHERS,
+    "publish_tf": _FOR_PUBLISHERS,
+    "marker_rate": _FOR_PUBLISHERS,
+    "lockstep_topic": "the filter is looked for at the start",
+    "lockstep_nodes": "they are looked for at the start",
+    "lockstep_timeout": "it holds from the start",
+    "imu_orientation": "a topic tells the same throughout",
+    "sensor_grade": "other parameters depend on it",
+}
+FIXED: Final[Mapping[str, str]] = {
+    **{name: f"{why}: start the node anew with it" for name, why in _WHY_FIXED.items()},
     "paused": "it is how the node starts: call ~/pause or ~/resume",
-    "publish_tf": f"publishers are made at the start: {_NEW_NODE}",
-    "marker_rate": f"publishers are made at the start: {_NEW_NODE}",
-    "lockstep_topic": f"the filter is looked for at the start: {_NEW_NODE}",
-    "lockstep_nodes": f"they are looked for at the start: {_NEW_NODE}",
-    "lockstep_timeout": f"it holds from the start: {_NEW_NODE}",
-    "imu_orientation": f"a topic tells the same throughout: {_NEW_NODE}",
-    "sensor_grade": f"other parameters depend on it: {_NEW_NODE}",
 }
 """Parameters that are fixed at the start, each with the reason and what to do instead."""
 IMMEDIATE: Final = frozenset({"real_time_factor"})
@@ -72,8 +75,8 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         values.update(live_scenario(values).parameters())
         first = [_as_ros(each, values[each.name]) for each in PARAMETERS]
         # rclpy takes an empty list for one of bytes: what may be set later is declared by its type, and set after that
-        doubles = [given for given in first if given.type_ == RosParameter.Type.DOUBLE_ARRAY]
-        empty = [given for given in doubles if not given.value and given.name not in FIXED]
+        double_array = RosParameter.Type.DOUBLE_ARRAY
+        empty = [one for one in first if one.type_ == double_array and not one.value and one.name not in FIXED]
         declared = [given.type_ if given in empty else given.value for given in first]
         node.declare_parameters(
             "",

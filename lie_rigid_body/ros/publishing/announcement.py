@@ -7,7 +7,7 @@ import shutil
 import sys
 from collections.abc import Mapping
 
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
@@ -96,5 +96,5 @@ def _motion(scenario: Scenario) -> str:
     return f"{scenario.motion}, stepper {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
 
 
-def _numbers(values: tuple[float, ...]) -> str:
+def _numbers(values: Vector) -> str:
     return " ".join(f"{value:g}" for value in values)

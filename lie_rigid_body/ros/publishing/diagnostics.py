@@ -12,20 +12,18 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import Periodic, Punctuality
 from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
 from lie_rigid_body.simulation import Segment
 
 DIAGNOSTICS_TOPIC: Final = "/diagnostics"
-INTERVAL_NS: Final = NS
 Status: TypeAlias = tuple[bytes, str, Mapping[str, str]]
 """Level, message and values of a report."""
 MAX_DRIFT: Final = 1e-6
 """Relative drift of energy or momentum beyond which the level is ERROR."""
 
 
-class Diagnostics(Sink):
+class Diagnostics(Periodic):
     """A sink that reports the rate, the lateness, and the drift of energy and momentum since the last reset or kick.
 
     Parameters
@@ -33,42 +31,37 @@ class Diagnostics(Sink):
     node : Node
     """
 
+    interval_ns = NS
+
     def __init__(self, node: Node) -> None:
         self._node = node
         self._publisher = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
-        self._due_ns: int | None = None
-        self._before = (0, Punctuality())
+        self._before: tuple[int, Punctuality] | None = None
         self._failure = ""
 
     def report_failure(self, reason: str) -> None:
         """Report the level ERROR for this reason from now on, first in the next turn of the run."""
         self._failure = reason
-        self._due_ns = self._before[0]
+        self._due_ns = 0
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the scenario, by whose start and kicks energy and momentum are known all along this segment."""
         self._segment = segment
-        self._latest = segment.start_ns, segment.scenario.start()
-
-    def write(self, batch: Batch) -> None:
-        """Keep the latest state."""
-        if len(batch.samples):
-            self._latest = int(batch.samples.stamps_ns[-1]), batch.samples.states[-1]
+        self.latest = segment.start_ns, segment.scenario.start()
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Publish a report when a second has passed since the last."""
-        if self._due_ns is None:
-            self._due_ns = steady_ns + INTERVAL_NS
-            self._before = (steady_ns, punctuality)
-        if steady_ns >= self._due_ns:
-            stamp = self._node.get_clock().now().to_msg()
-            self._publisher.publish(report(self._node, "simulation", stamp, *self._status(steady_ns, punctuality)))
-            self._due_ns = steady_ns + INTERVAL_NS
-            self._before = (steady_ns, punctuality)
-        return self._due_ns - steady_ns
+        self._before = self._before or (steady_ns, punctuality)
+        return super().tick(steady_ns, punctuality)
+
+    def act(self, steady_ns: int, punctuality: Punctuality) -> None:
+        """Publish a report."""
+        stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(report(self._node, "simulation", stamp, *self._status(steady_ns, punctuality)))
+        self._before = (steady_ns, punctuality)
 
     def _status(self, steady_ns: int, punctuality: Punctuality) -> Status:
-        then_ns, before = self._before
+        then_ns, before = self._before or (steady_ns, punctuality)
         missed = punctuality.missed - before.missed
         energy, momentum = (0.0, 0.0) if self._segment.scenario.path() else self.drifts()
         values = {
@@ -91,7 +84,8 @@ class Diagnostics(Sink):
         They are relative to the largest right after any of them in the segment.
         """
         scenario = self._segment.scenario
-        stamp_ns, state = self._latest
+        assert self.latest is not None
+        stamp_ns, state = self.latest
         largest = largest_of_arcs(scenario)
         if not all(largest):
             return 0.0, 0.0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import Periodic, Punctuality
 from lie_rigid_body.simulation import Segment
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ MANY_STEPS: Final = 20_000
 """Steps between two samples from which on each sample is flushed: so many take tenths of a second, without a tick."""
 
 
-class Recorder(Sink):
+class Recorder(Periodic):
     """A sink into a bag. It ends the chunks of the bag by the steady clock, and looks after the file as often.
 
     A bag that can no longer be written is reported at once, and nothing more is recorded; the run goes on for others.
@@ -38,12 +38,13 @@ class Recorder(Sink):
         Why nothing more is recorded.
     """
 
+    interval_ns = FLUSH_INTERVAL_NS
+
     def __init__(self, bag: BagWriter, report: Callable[[str], object]) -> None:
         self.failure: BagError | None = None
         self._bag = bag
         self._report = report
         self._every_sample = False
-        self._flush_due_ns: int | None = None
 
     def begin_segment(self, segment: Segment) -> None:
         """Record the scenario."""
@@ -58,17 +59,11 @@ class Recorder(Sink):
             if self._every_sample:
                 self._bag.flush()
 
-    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
-        """End the chunk every half second, and see that the file is still there."""
-        if self.failure is not None:
-            return FOREVER
-        if self._flush_due_ns is None:
-            self._flush_due_ns = steady_ns + FLUSH_INTERVAL_NS
-        if steady_ns >= self._flush_due_ns:
-            self._flush_due_ns = steady_ns + FLUSH_INTERVAL_NS
+    def act(self, steady_ns: int, punctuality: Punctuality) -> None:
+        """End the chunk, and see that the file is still there."""
+        if self.failure is None:
             with self._recording():
                 self._bag.flush()
-        return self._flush_due_ns - steady_ns
 
     @contextmanager
     def _recording(self) -> Iterator[None]:

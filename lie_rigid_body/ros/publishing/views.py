@@ -25,7 +25,7 @@ from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.session import latched, offered
-from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import FOREVER, Periodic, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 TF: Final = "/tf"
@@ -62,7 +62,7 @@ class Transforms(Sink):
         scenario = segment.scenario
         self._resting = scenario.initial_position
         self._encoder = TransformEncoder(scenario.world_frame, scenario.body_frame)
-        imu_frame = scenario.frame("imu_frame")
+        imu_frame = str(scenario.value("imu_frame"))
         if scenario.has_sensors and imu_frame != scenario.body_frame:
             pose = np.array([scenario.value("accelerometer_lever_arm")]), np.array([[0.0, 0.0, 0.0, 1.0]])
             mount = TransformEncoder(scenario.body_frame, imu_frame)
@@ -77,7 +77,7 @@ class Transforms(Sink):
             self._publisher.publish(payload)
 
 
-class Markers(Sink):
+class Markers(Periodic):
     """A sink that publishes markers while somebody subscribes to them.
 
     Everything is in the world frame: the polhode, a curve in the body, is turned with the body.
@@ -91,9 +91,8 @@ class Markers(Sink):
 
     def __init__(self, node: Node, rate: float) -> None:
         self._publisher = node.create_publisher(MarkerArray, MARKERS_TOPIC, QoSProfile(depth=10))
-        self._interval_ns = round(NS / rate)
+        self.interval_ns = round(NS / rate)
         self._due_ns = 0
-        self._latest: tuple[int, State] | None = None
         self._trail: deque[list[float]] = deque(maxlen=TRAIL)
 
     def begin_segment(self, segment: Segment) -> None:
@@ -109,29 +108,24 @@ class Markers(Sink):
         self._arc = 0
         self._trail.clear()
 
-    def write(self, batch: Batch) -> None:
-        """Keep the latest state."""
-        if len(batch.samples):
-            self._latest = (int(batch.samples.stamps_ns[-1]), batch.samples.states[-1])
-
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Publish the markers of the latest state when it is time."""
-        if self._latest is None:
-            return FOREVER
-        if steady_ns >= self._due_ns:
-            stamp_ns, state = self._latest
-            scenario = self._segment.scenario
-            elapsed_ns = stamp_ns - self._segment.start_ns
-            arc = scenario.kick_schedule().arc(elapsed_ns)
-            if arc != self._arc:  # a kick begins another polhode
-                self._trail.clear()
-                self._arc = arc
-            self._trail.append((state.body_rate * self._rate_scale).tolist())
-            if self._publisher.get_subscription_count():
-                [position] = scenario.mass_centre().at(np.array([elapsed_ns])).position
-                self._publisher.publish(self._picture(stamp_ns, state, position))
-            self._due_ns = steady_ns + self._interval_ns
-        return self._due_ns - steady_ns
+        return super().tick(steady_ns, punctuality) if self.latest else FOREVER
+
+    def act(self, steady_ns: int, punctuality: Punctuality) -> None:
+        """Publish the markers of the latest state, if somebody looks."""
+        assert self.latest is not None
+        stamp_ns, state = self.latest
+        scenario = self._segment.scenario
+        elapsed_ns = stamp_ns - self._segment.start_ns
+        arc = scenario.kick_schedule().arc(elapsed_ns)
+        if arc != self._arc:  # a kick begins another polhode
+            self._trail.clear()
+            self._arc = arc
+        self._trail.append((state.body_rate * self._rate_scale).tolist())
+        if self._publisher.get_subscription_count():
+            [position] = scenario.mass_centre().at(np.array([elapsed_ns])).position
+            self._publisher.publish(self._picture(stamp_ns, state, position))
 
     def _picture(self, stamp_ns: int, state: State, position: Array) -> MarkerArray:
         centre = _message(Point, position)

@@ -47,8 +47,7 @@ class Lockstep:
         self._delivered = defaultdict[str, deque[int]](partial(deque, maxlen=STAMPS_KEPT))
         self._awaited: set[int] = set()
         self._latest_ns = -1
-        self._others = 0
-        self._other_ns = 0
+        self._others = self._other_ns = 0
         self._waited_ns = self._awaited_at_ns = self._asked_ns = 0
         self._longest_ns = min(FIRST_NS, timeout_ns)
 
@@ -112,7 +111,7 @@ class Lockstep:
             self._awaited.remove(stamp_ns)
             self._waited_ns = 0
         else:
-            self._others = self._others + 1
+            self._others += 1
             self._other_ns = stamp_ns
             if stamp_ns in self._delivered[IMU_SENSOR.name]:  # answered before its partners came
                 self._delivered[IMU_SENSOR.name].remove(stamp_ns)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Protocol
 
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.ros.timing.sink import FOREVER
 
 CATCH_UP: Final = 1.25
@@ -55,7 +55,7 @@ class Pace(Protocol):
         return self
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Scaled(Pace):
     """Simulated time is the steady clock's, scaled by a constant factor from a common instant.
 
@@ -97,7 +97,7 @@ class Scaled(Pace):
         return Scaled(stamp_ns, steady_ns, self.factor)
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class UpTo(Pace):
     """Stamps up to a last one are due at any time, later ones never: simulated time stands still there.
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Protocol
 
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.simulation import Segment
 
@@ -14,7 +15,7 @@ MAX_BATCH: Final = 250
 """Largest number of samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
 
 
-@dataclass(frozen=True)
+@short_dataclass
 class Punctuality:
     """Counts of the samples that a run has sent so far, and their lateness.
 
@@ -78,3 +79,36 @@ class Sink(Protocol):
             The longest time until the next call, ns.
         """
         return FOREVER
+
+
+class Periodic(Sink):
+    """A sink that keeps the latest state, and does something once in an interval of the steady clock.
+
+    Attributes
+    ----------
+    interval_ns : int
+        That interval, ns.
+    latest : tuple of (int, State), or None
+        Stamp, ns, and state of the latest sample.
+    """
+
+    interval_ns: int
+    latest: tuple[int, State] | None = None
+    _due_ns: int | None = None
+
+    def write(self, batch: Batch) -> None:
+        """Keep the latest state."""
+        if len(batch.samples):
+            self.latest = int(batch.samples.stamps_ns[-1]), batch.samples.states[-1]
+
+    def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
+        """Do it when it is due, one interval after the first turn of the loop if not before."""
+        if self._due_ns is None:
+            self._due_ns = steady_ns + self.interval_ns
+        if steady_ns >= self._due_ns:
+            self._due_ns = steady_ns + self.interval_ns
+            self.act(steady_ns, punctuality)
+        return self._due_ns - steady_ns
+
+    def act(self, steady_ns: int, punctuality: Punctuality) -> None:
+        """Do what is due; see `tick`."""
