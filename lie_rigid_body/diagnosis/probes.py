@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
+from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
-from lie_rigid_body.diagnosis.repairs import Answer, Job
-from lie_rigid_body.diagnosis.search import GRADE_OF_NOISE, NEAR, UNJUDGED, Search
+from lie_rigid_body.diagnosis.search import GRADE_OF_NOISE, UNJUDGED, Search
+from lie_rigid_body.diagnosis.trials import NEAR
 from lie_rigid_body.evaluation import CramerRaoBound, ExactTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
 from lie_rigid_body.evaluation.statistics import rms
@@ -26,7 +28,9 @@ from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs import simulate
 
 GYRO_BIAS: Final = float(np.radians(1.0))
-"""Constant error of the gyro, rad/s."""
+"""Size of a constant error of the gyro, rad/s."""
+BIAS: Final = GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])
+"""That error on each axis, rad/s."""
 VECTOR_ERROR: Final = 0.05
 """Constant error of the accelerometer and of the magnetometer, share of the vector."""
 BIAS_PEAK: Final = (0.5 + 0.5 * 5.0**0.5) ** 0.5
@@ -115,6 +119,11 @@ def with_unit(value: float, unit: str = "°") -> str:
     return f"{told:.0f}{unit}" if told >= 100.0 else f"{told:.3g}{unit}"
 
 
+def in_degrees(angle_rad: float) -> str:
+    """An angle in degrees with three digits."""
+    return with_unit(float(np.degrees(angle_rad)))
+
+
 def limited(said: str, value: float, most: float, beside: str = "", unit: str = "°") -> Judged:
     """Judge a value by the largest one that is allowed, both in rad where they are told in degrees."""
     told, limit = np.degrees(np.minimum([value, most], np.pi)).tolist() if unit == "°" else (float(value), most)
@@ -144,7 +153,7 @@ def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
 def _without_repair(search: Search, track: Matched) -> str:
     """Sentences about an error that no repair removes."""
     if search.is_by_chance:
-        return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
+        return f"; two equal runs differ by {in_degrees(search.scatter)}: no repair is looked for"
     known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
     score = evaluate(track.stamps_ns, track.attitude_xyzw, known)
     told = [f"{each.code}: {each.message}" for each in score.findings if each.code in WITHOUT_REPAIR]
@@ -193,27 +202,34 @@ def _cube_judged(search: Search, answers: Sequence[Answer]) -> Judged:
 def _first_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     """Largest error of the first answer; where it is, and how long until the filter errs as little as later on."""
     starts = answers[1:]
+    errors = [answer.track.error().total for answer in starts]
     limit = _limit(search)
-    off = [answer for answer in starts if answer.track.error().total[0] > limit]
-    firsts = [float(np.degrees(answer.track.error().total[0])) for answer in off or starts]
-    lasts = [answer.t_s[answer.track.error().total > limit].max(initial=0.0) for answer in starts]
-    is_down = all(quaternion.to_matrix(answer.track.truth_xyzw[0])[2, 2] < 0.0 for answer in off)
-    stays = f"{max(lasts):.3g} s" if max(lasts) < starts[0].t_s[-1] else f"more than {max(lasts):.3g} s"
+    off = [error[0] for error in errors if error[0] > limit]
+    if not off:
+        return True, "", 0.0
+    last = max(answer.t_s[error > limit].max(initial=0.0) for answer, error in zip(starts, errors, strict=True))
+    is_down = all(
+        error[0] <= limit or quaternion.to_matrix(answer.track.truth_xyzw[0])[2, 2] < 0.0
+        for answer, error in zip(starts, errors, strict=True)
+    )
     return limited(
         f"Of {len(starts)} first answers {len(off)}{', all with z down,' * is_down} are off, by "
-        f"{with_unit(float(np.median(firsts)))} in the median, for {stays} at the longest, and at most by",
-        float(np.radians(max(firsts))),
+        f"{in_degrees(float(np.median(off)))} in the median, for {'more than ' * (last >= starts[0].t_s[-1])}"
+        f"{last:.3g} s at the longest, and at most by",
+        max(off),
         limit,
     )
 
 
+def _in_fields(search: Search, fields: Array) -> list[Course]:
+    """The ordinary course in other fields, shape (n, 3), T."""
+    return [search.settled(search.course.of_scenario(magnetic_field=each)) for each in fields.tolist()]
+
+
 def _turned_fields(search: Search) -> list[Course]:
     """The ordinary course in fields of other sizes."""
-    size = np.linalg.norm(search.course.field)
-    return [
-        search.settled(search.course.of_scenario(magnetic_field=(each / size * search.course.field).tolist()))
-        for each in FIELDS_T
-    ]
+    field = search.course.field
+    return _in_fields(search, np.outer(FIELDS_T, field / np.linalg.norm(field)))
 
 
 def _dipping_fields(search: Search) -> list[Course]:
@@ -221,8 +237,7 @@ def _dipping_fields(search: Search) -> list[Course]:
     field = search.course.field
     level = field[:2] / (np.hypot(*field[:2]) or 1.0)
     dips = np.radians(DIPS)
-    fields = np.linalg.norm(field) * np.column_stack([np.outer(np.cos(dips), level), -np.sin(dips)])
-    return [search.settled(search.course.of_scenario(magnetic_field=each)) for each in fields.tolist()]
+    return _in_fields(search, np.linalg.norm(field) * np.column_stack([np.outer(np.cos(dips), level), -np.sin(dips)]))
 
 
 def _at_rate(search: Search, rate: float, moving_s: float) -> Course:
@@ -246,38 +261,42 @@ def _headings(search: Search) -> list[Course]:
 
 def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     errors = answers[0].track.error().total
-    place = np.maximum(answers[0].t_s - REST, 0.0) / (TURN + HOLD)
-    late = place % 1.0 > (TURN + 0.5 * HOLD) / (TURN + HOLD)
-    held = [rms(errors[late & (place.astype(int) == number)]) for number in range(8)]
+    before_end = answers[0].t_s - REST - (TURN + HOLD) * np.arange(1, 9)[:, np.newaxis]
+    held = [rms(errors[(each > -0.5 * HOLD) & (each < 0.0)]) for each in before_end]
     most = max(search.floor, min(4.0 * float(np.median(held)), UNJUDGED))
     return limited("in the worst of eight headings, each held for 30 s, its error is", max(held), most)
 
 
+def _first_given(search: Search) -> Estimate:
+    """Estimate of the filter as it is, on the first course."""
+    return search.trials[0].unrepaired[0].given
+
+
 def _of_bias(search: Search) -> list[Course]:
     """The run with a bias of the gyro, of an estimate that tells one."""
-    return _biased(search) if search.trials[0].unrepaired[0].given.gyro_bias is not None else []
+    return _biased(search) if _first_given(search).gyro_bias is not None else []
 
 
 def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     """The estimated bias beside the one put in, in the last quarter: sign, unit and size."""
     told = answers[0].given.gyro_bias
-    bias = np.array(dict(_biased(search)[0].off)["gyro"])
     last = np.mean(told[-len(told) // 4 :], axis=0)
-    ratio = float(last @ bias / (bias @ bias))
-    fault = ""
-    if norm(last - bias) > 0.5 * norm(bias):
-        is_along = norm(last - ratio * bias) <= 0.5 * norm(last)
-        unit = "in degrees a second" if is_along and 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
-        sign = "with the opposite sign" if is_along and ratio < -0.5 else ""
-        stuck = "as it never moves" if np.ptp(told, axis=0).max() < 0.01 * norm(bias) else ""
-        fault = " and ".join(filter(None, (unit, sign, stuck))) or f"of another {'size' if is_along else 'direction'}"
-    said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much{', ' * bool(fault)}{fault}"
-    return not fault, said, ratio
+    ratio = float(last @ BIAS / GYRO_BIAS**2)
+    is_along = norm(last - ratio * BIAS) <= 0.5 * norm(last)
+    faults = {
+        "in degrees a second": is_along and 0.5 < abs(ratio) * GYRO_BIAS < 1.5,
+        "with the opposite sign": is_along and ratio < -0.5,
+        "as it never moves": np.ptp(told, axis=0).max() < 0.01 * GYRO_BIAS,
+    }
+    passed = bool(norm(last - BIAS) <= 0.5 * GYRO_BIAS)
+    fault = " and ".join(words for words, is_so in faults.items() if is_so)
+    fault = fault or f"of another {'size' if is_along else 'direction'}"
+    said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much"
+    return passed, said if passed else f"{said}, {fault}", ratio
 
 
 def _biased(search: Search) -> list[Course]:
-    bias = tuple((GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])).tolist())
-    return [replace(search.course, moving_s=60.0 - REST, off=(("gyro", bias),))]
+    return [replace(search.course, moving_s=60.0 - REST, off=(("gyro", tuple(BIAS.tolist())),))]
 
 
 def _cut(search: Search) -> list[Course]:
@@ -285,8 +304,14 @@ def _cut(search: Search) -> list[Course]:
 
     With perfect sensors smoothers and causal filters alike give the truth.
     """
-    whole = replace(_biased(search)[0], moving_s=search.course.moving_s)
-    return [whole, whole, replace(whole, moving_s=0.5 * whole.moving_s)]
+    [whole] = _biased(search)
+    moving_s = search.course.moving_s
+    return [*_twice(replace(whole, moving_s=moving_s)), replace(whole, moving_s=0.5 * moving_s)]
+
+
+def _twice(course: Course) -> list[Course]:
+    """Two courses with the same readings: the seed is that of a noise which they do not have."""
+    return [course, replace(course, seed=1)]
 
 
 def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
@@ -341,7 +366,7 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
         f"with the noise of {_grade(search)} its error is",
         answers[0].error(),
         1.01 * _of_single_sets(search, course, answers[0]),
-        f"; the Cramér–Rao bound of filters is {with_unit(float(np.degrees(least)))} over many such runs",
+        f"; the Cramér–Rao bound of filters is {in_degrees(least)} over many such runs",
     )
 
 
@@ -400,7 +425,7 @@ def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
         f"without a rest before the motion, or after {REST:g} s, its error is",
         max(without, plain),
         max(search.floor, NEAR * min(plain, longer)),
-        f"; after {3.0 * REST:g} s it is {with_unit(float(np.degrees(longer)))}",
+        f"; after {3.0 * REST:g} s it is {in_degrees(longer)}",
     )
 
 
@@ -422,7 +447,7 @@ def _norms_judged(search: Search, answers: Sequence[Answer]) -> Judged:
 
 def _noisy_runs(search: Search) -> list[Course]:
     """Short runs for an estimate that has a covariance."""
-    has_one = search.trials[0].unrepaired[0].given.covariance is not None
+    has_one = _first_given(search).covariance is not None
     return [replace(_noisy(search, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * has_one)]
 
 
@@ -432,8 +457,8 @@ def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     axes = answers[0].given.covariance_axes
     at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
     tracks = [answer.track[at] for answer in answers]
-    estimate, truth = np.stack([(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks], axis=1)
-    errors = error_vectors(estimate, truth, axes)
+    estimate = np.stack([track.attitude_xyzw for track in tracks])
+    errors = error_vectors(estimate, np.stack([track.truth_xyzw for track in tracks]), axes)
     covariance = np.stack([answer.given.rotation_covariance()[at] for answer in answers])
     verdicts = [
         ensemble_consistency(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)
@@ -451,9 +476,9 @@ def _alternating(search: Search) -> list[Course]:
     return [replace(course, grid="alternating", moving_s=course.moving_s + odd)]
 
 
-def _within(said: str, begin: float = 1.0 / 3.0) -> Callable[[Search, Sequence[Answer]], Judged]:
-    """Judge the worst of several runs by the floor, or twice the error of the plain run."""
-    return lambda search, answers: limited(said, worst(answers, begin), _limit(search))
+def _within(said: str, turn: float = 0.0) -> Callable[[Search, Sequence[Answer]], Judged]:
+    """Judge the worst of several runs by the floor, twice the error of the plain run, or a share of a step's turn."""
+    return lambda search, answers: limited(said, worst(answers), _limit(search, turn * search.course.turn))
 
 
 PROBES: Final = (
@@ -465,9 +490,7 @@ PROBES: Final = (
     ProbeRow(
         "irregular_steps",
         _alternating,
-        lambda s, o: limited(
-            "with steps of 2/3 and 4/3 of a period in turn its error is", worst(o), _limit(s, s.course.turn / 3.0)
-        ),
+        _within("with steps of 2/3 and 4/3 of a period in turn its error is", 1.0 / 3.0),
     ),
     ProbeRow(
         "converges",
@@ -512,7 +535,7 @@ PROBES: Final = (
     ),
     ProbeRow(
         "repeatable",
-        lambda s: [s.course, s.course],
+        lambda s: _twice(s.course),
         lambda s, o: limited(
             "called twice it gives estimates that differ by",
             o[0].track.max_difference(o[1].track),
@@ -544,11 +567,10 @@ NOTES: Final = (
     ProbeRow(
         "constant_step",
         lambda s: [replace(s.course, grid="walk")],
-        lambda s, o: limited(
+        _within(
             "The filter takes all steps for equal, which matters where readings are late or lost: with steps at "
             "random, 2/3 to 4/3 of a period, its error is",
-            worst(o),
-            _limit(s, s.course.turn / 3.0),
+            1.0 / 3.0,
         ),
     ),
     ProbeRow(
@@ -564,23 +586,18 @@ NOTES: Final = (
 """Probes that are told as notes where they are not passed."""
 
 
-def told(search: Search, rows: Iterable[ProbeRow]) -> Iterator[Probe]:
+def told(search: Search, rows: Sequence[ProbeRow]) -> Iterator[Probe]:
     """Results of probes; those without courses, as of a covariance where there is none, are left out."""
-    judged = search.chosen.error <= UNJUDGED
-    repairs = search.chosen.repairs
-    asked = [
-        (row, [(course, repairs, courses[:place].count(course)) for place, course in enumerate(courses)])
-        for row in rows
-        if (courses := list(row.courses(search)) if judged or not row.needs_error else [search.course])
-    ]
-    new = [key for key in dict.fromkeys(key for _, keys in asked for key in keys) if key not in search.known]
-    answers = search.ask([Job(course, repairs) for course, _, _ in new])
-    coming = iter(new)
-    for row, keys in asked:
-        if row.needs_error and not judged:
-            error = with_unit(float(np.degrees(search.chosen.error)))
-            yield Probe(row.code, None, f"not judged, as the error of the filter is {error}")
-            continue
-        while any(key not in search.known for key in keys):
-            search.known[next(coming)] = next(answers)
-        yield row.told(search, [search.known[key] for key in keys])
+    chosen = search.chosen
+    is_judged = chosen.error <= UNJUDGED
+    courses = {row: row.courses(search) for row in rows if is_judged or not row.needs_error}
+    new = dict.fromkeys(course for each in courses.values() for course in each if course not in search.known)
+    answers = zip(new, search.ask((course, chosen.repairs) for course in new), strict=False)
+    for row in rows:
+        asked = courses.get(row)
+        if asked is None:
+            yield Probe(row.code, None, f"not judged, as the error of the filter is {in_degrees(chosen.error)}")
+        elif asked:
+            while not search.known.keys() >= {*asked}:
+                search.known.update([next(answers)])
+            yield row.told(search, [search.known[course] for course in asked])

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from itertools import combinations
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.course import Course, Readings
-from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Repair
-from lie_rigid_body.diagnosis.search import Search, plain
+from lie_rigid_body.diagnosis.course import Course
+from lie_rigid_body.diagnosis.repairs import scaled
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 
@@ -57,15 +56,6 @@ def _at(course: Course, angles_deg: tuple[float, float, float], *rate: float) ->
     return course.of_scenario(initial_attitude_xyzw=attitude.tolist(), initial_body_rate=list(rate) or [0.0] * 3)
 
 
-def _zeros(sensor: str, given: Readings) -> Readings:
-    return given.changed(np.zeros_like, SENSOR_READINGS[sensor])
-
-
-def _silent(sensor: str) -> Repair:
-    """Zeros in place of the readings of a sensor."""
-    return Repair("", "", 0, partial(_zeros, sensor), "", "")
-
-
 REST: Final[Mapping[str, tuple[float, float, float]]] = {
     "level at rest": LEVEL,
     "tilted at rest": TILTED,
@@ -84,7 +74,7 @@ TUMBLES: Final[Mapping[str, tuple[str, ...]]] = {
 
 def situations(search: Search) -> Iterator[Situation]:
     """Run the filter, as it is, in each situation; the tumble is that of the course with the larger error."""
-    unrepaired = plain(search.trials)
+    unrepaired = search.unrepaired
     worst = int(np.argmax([answer.error() for answer in unrepaired.unrepaired]))
     course = search.courses[worst].of_scenario(gyro_rate=unrepaired.kind)
     every: list[tuple[str, Course, tuple[str, ...]]] = [
@@ -93,7 +83,7 @@ def situations(search: Search) -> Iterator[Situation]:
         *((name, course, silent) for name, silent in TUMBLES.items()),
     ]
     for name, each, silent in every:
-        answer = search.answer(search.settled(each), *map(_silent, silent))
+        answer = search.answer(search.settled(each), *(scaled(sensor, 0.0) for sensor in silent))
         if answer is None or answer.broken.size:
             yield Situation(name, None, is_level=False)
         else:
