@@ -214,7 +214,7 @@ def _first_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     )
     return limited(
         f"Of {len(starts)} first answers {len(off)}{', all with z down,' * is_down} are off, by "
-        f"{in_degrees(float(np.median(off)))} in the median, for {'more than ' * (last >= starts[0].t_s[-1])}"
+        f"{in_degrees(float(np.median(off)))} in the median, for {'more than ' * bool(last >= starts[0].t_s[-1])}"
         f"{last:.3g} s at the longest, and at most by",
         max(off),
         limit,

@@ -62,7 +62,7 @@ class Repair:
     @property
     def is_near_another(self) -> bool:
         """Whether it is a fitted factor of the gyro within `SCALE` of one that is not fitted, or of 1."""
-        return self.price > 0 and bool(np.any(np.abs(self.constants / EXACT_FACTORS - 1.0) <= SCALE))
+        return self.price > 0 and bool(np.any(np.abs(self.constants[:, np.newaxis] / EXACT_FACTORS - 1.0) <= SCALE))
 
 
 Repairs = tuple[Repair, ...]

@@ -509,7 +509,7 @@ class Search:
             between = range(int(tried[max(0, place - 1)]), int(tried[min(len(tried) - 1, place + 1)]) + 1)
             counts = [count for count in between if count]
             return of(counts[int(np.argmin(left(counts)))])
-        tried = (*tried, *self._scales(rest))
+        tried = tuple(sorted({*tried, *self._scales(rest)}))
         best = least(lambda value: left([value])[0], tried[int(np.argmin(left(tried)))], STEP)
         if left([best])[0] <= self.floor:  # a filter that corrects much hides a small error on so short a course
             best = self._finest(best, FINE, rest)

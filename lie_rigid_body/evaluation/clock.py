@@ -147,7 +147,7 @@ def _unnamed(
     left, before, other, raw = (
         float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, instead, ())
     )
-    turn = rms(norm(track.truth.states(track.stamps_ns)[1]))
+    turn = rms(norm(track.rates))
     if left > MAX_LEFT:  # what follows the truth so little tells no lag
         return Lag()
     clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
@@ -254,14 +254,15 @@ def _explains(few: Matched, part: Part, beyond_s: float) -> bool:
         return False
     if abs(number - 1.0) < MIN_OFF if is_rate else abs(number) <= beyond_s:
         return False
-    truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= MIN_SAMPLES else np.ones(3)
-    most_left = min((0.5 * UNLIKE) ** 2 * constant_attitude_misfit(truth), np.sin(0.5 * MAX_LEFT_BY_CLOCK) ** 2)
+    most_left = min(
+        (0.5 * UNLIKE) ** 2 * constant_attitude_misfit(moved.truth_xyzw), np.sin(0.5 * MAX_LEFT_BY_CLOCK) ** 2
+    )
     if np.any(quarters(moved) > floored(np.minimum(SHARE**2 * before, most_left))):
         return False
-    if not is_single_axis(rate, SPIN if is_rate else EVEN_SPIN):
+    if not is_single_axis(moved.rates, SPIN if is_rate else EVEN_SPIN):
         return True
     if not is_rate:
-        return abs(number) * float(norm(rate).max()) < np.pi
+        return abs(number) * float(norm(moved.rates).max()) < np.pi
     spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
     return max(number, 1.0 / number) >= CLOCK_RATIO and spanned >= MIN_SPANNED

@@ -167,17 +167,26 @@ class Explanation:
         return (*(code for code, _ in self.form), *self.turned, *(() if self.lag_s is None else ("lag",)))
 
     @property
+    def fitted(self) -> int:
+        """Number of causes with constants."""
+        return len(self.causes) - len(self.form)
+
+    @property
+    def fits_anything(self) -> bool:
+        """Whether a rotation of the world is beside a lag or a mounting: together they fit nearly anything."""
+        return "world_turned" in self.turned and self.fitted > 1
+
+    @property
     def error(self) -> float:
-        """Root mean square of the error that is left, rad."""
+        """Root mean square of the error that remains, rad."""
         return float(2.0 * np.arcsin(np.sqrt(np.clip(np.mean(self.left), 0.0, 1.0))))
 
     @property
     def explains(self) -> bool:
-        """Whether so little is left that the causes are what is wrong: many constants fit anything to some degrees."""
-        constants = len(self.causes) - len(self.form)
+        """Whether so little remains that the causes are what is wrong: many constants fit anything to some degrees."""
         if {"world_turned", "body_mounting"} & {*self.turned}:
-            return self.error <= MAX_LEFT_BY_THREE / constants
-        return self.error <= MAX_LEFT / (len(self.causes) if constants else 1)
+            return self.error <= MAX_LEFT_BY_THREE / self.fitted
+        return self.error <= MAX_LEFT / (len(self.causes) if self.fitted else 1)
 
     @property
     def cost(self) -> float:
@@ -291,11 +300,11 @@ class Evidence:
         self.period_s = period_ns(track.stamps_ns) / 1e9
         self.longest_lag_s = longest_lag_s
         self.left_by_sensors = left_by_sensors
-        truth, rate = self.track.truth.states(self.track.stamps_ns)
-        self.fastest = float(norm(rate).max())
-        self.misfit_of_constant = constant_attitude_misfit(truth)
-        self.is_single_axis = is_single_axis(rate)
-        self.root_mean_square_rate = rms(norm(rate))
+        rate = norm(self.track.rates)
+        self.fastest = float(rate.max())
+        self.misfit_of_constant = constant_attitude_misfit(self.track.truth_xyzw)
+        self.is_single_axis = is_single_axis(self.track.rates)
+        self.root_mean_square_rate = rms(rate)
         # at the leads of a right filter: none, half a sample and one
         self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
         # between neighbours the body turns by a quarter of a radian at most, unless they would be too many
@@ -431,19 +440,19 @@ class Evidence:
         mean, more than `LEAD`, or leaves more than `SHARE` of the error.
         """
         few = self.whole.thinned(MAX_OF_LEAD)
-        truth, rate = few.truth.states(few.stamps_ns)
-        error = error_vectors(few.attitude_xyzw, truth)
-        settled = slice(len(error) // 4, None)
-        span_s = float(few.stamps_ns[-1] - few.stamps_ns[0]) / 1e9
-        turns = np.fft.rfft(quaternion.rotate(truth, rate) * self.period_s, axis=0)
-        frequency = np.fft.rfftfreq(len(error), span_s / max(len(error) - 1, 1))[:, np.newaxis]
-        before = rms(norm(error[settled]))
+        count = len(few.stamps_ns)
+        span_s = float(np.ptp(few.since_s))
+        turns = np.fft.rfft(quaternion.rotate(few.truth_xyzw, few.rates) * self.period_s, axis=0)
+        frequency = np.fft.rfftfreq(count, span_s / max(count - 1, 1))[:, np.newaxis]
+        settled = slice(count // 4, None)
+        error = error_vectors(few.attitude_xyzw, few.truth_xyzw)[settled]
+        before = rms(norm(error))
         best = (0.0, before)
         for tau_s in [0.0, *np.geomspace(self.period_s, max(span_s, self.period_s), 12)]:
-            moved = np.fft.irfft(turns / (1.0 + 2j * np.pi * frequency * tau_s), len(error), axis=0)[settled]
-            share = np.linalg.lstsq(moved, error[settled], rcond=1e-6)[0]
+            moved = np.fft.irfft(turns / (1.0 + 2j * np.pi * frequency * tau_s), count, axis=0)[settled]
+            share = np.linalg.lstsq(moved, error, rcond=1e-6)[0]
             led = moved @ share
-            left = rms(norm(error[settled] - led))
+            left = rms(norm(error - led))
             is_lead = np.trace(share) > 3.0 * MIN_LATE and np.linalg.norm(share, 2) < LEAD
             if is_lead and left < min(best[1], SHARE * before):
                 best = (rms(norm(led)), left)
@@ -485,7 +494,7 @@ class Evidence:
         lag_s = explanation.lag_s
         unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
         # a constant fits a body that hardly turns, and a chain without one by chance: one of all in 0.2 % of turns
-        least = NEGLIGIBLE if len(explanation.causes) > len(explanation.form) else MAX_LEFT_BY_THREE
+        least = NEGLIGIBLE if explanation.fitted else MAX_LEFT_BY_THREE
         if left.mean() > max(unlike**2 * self.misfit_of_constant, np.sin(0.5 * least) ** 2) or not explanation.explains:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
@@ -493,8 +502,7 @@ class Evidence:
             cause.code == "world_turned" and self._is_level(explanation, quaternion.exp(c))
             for cause, c in explanation.parts
         )
-        many = "world_turned" in explanation.turned and len(explanation.causes) - len(explanation.form) > 1
-        if many and max(inflations(self.track, explanation.parts)) > MAX_INFLATION:
+        if explanation.fits_anything and max(inflations(self.track, explanation.parts)) > MAX_INFLATION:
             return False
         if is_lead or is_level or (explanation.far and left.max() > UNEVEN_QUARTERS**2 * left.min()):
             return False
@@ -525,12 +533,7 @@ class Evidence:
     def follows(self) -> bool:
         """Whether up to three causes, sure or not, leave little error: the estimate then follows the body."""
         most = FOLLOWING * self.get().error
-        # a turn of the world fits nearly anything beside a lag or a mounting
-        return any(
-            e.error <= most and e.explains
-            for e in self.tried
-            if 0 < len(e.causes) <= 3 and not ("world_turned" in e.turned and len(e.causes) - len(e.form) > 1)
-        )
+        return any(e.error <= most and e.explains for e in self.tried if 0 < len(e.causes) <= 3 and not e.fits_anything)
 
     def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
         """The named explanation with a lag added, if its own fit of a lag gives about the same."""
