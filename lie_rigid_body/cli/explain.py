@@ -15,7 +15,7 @@ from lie_rigid_body.foundation.parameters import NS, Value, Vector
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion import Description
-    from lie_rigid_body.report.answer import Part
+    from lie_rigid_body.report.answer import Part, Parts
     from lie_rigid_body.scenario import Scenario
 
 _TOPS: Final = {
@@ -166,7 +166,7 @@ def main(given: argparse.Namespace) -> int:
     )
 
 
-def _parts(scenario: Scenario, description: Description) -> list[Part]:
+def _parts(scenario: Scenario, description: Description) -> Parts:
     """Answer about a scenario and its motion."""
     from lie_rigid_body.report.answer import Sentences, Table
 
@@ -186,7 +186,7 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
     ]
 
 
-def _other_parts(scenario: Scenario) -> list[Part]:
+def _other_parts(scenario: Scenario) -> Parts:
     """Tables of kicks, mass centre and sensors, where there are some, and what has no effect."""
     from lie_rigid_body.report.answer import Sentences, Table
     from lie_rigid_body.scenario.facts import beyond_rotation

@@ -61,6 +61,10 @@ JUDGED: Final = 20
 
 SAME: Final = 1e-9
 """Largest difference of two estimates, rad, that count as the same."""
+Courses = list[Course]
+"""Courses of a probe, in the order in which their answers are judged."""
+Answers = Sequence[Answer]
+"""Answers of the filter to these courses."""
 Judged = tuple[bool | None, str, float]
 """Whether a probe is passed, None where it is not judged; what is said of it, and the number that was judged."""
 
@@ -98,8 +102,8 @@ class ProbeRow(NamedTuple):
     """
 
     code: str
-    courses: Callable[[Search], Sequence[Course]]
-    judge: Callable[[Search, Sequence[Answer]], Judged]
+    courses: Callable[[Search], Courses]
+    judge: Callable[[Search, Answers], Judged]
     needs_error: bool = True
 
     def told(self, search: Search, answers: Sequence[Answer | FilterError]) -> Probe:
@@ -130,7 +134,7 @@ def limited(said: str, value: float, most: float, beside: str = "", unit: str = 
     return bool(value <= most), f"{said} {with_unit(told, unit)} (limit {with_unit(limit, unit)}){beside}", told
 
 
-def worst(answers: Sequence[Answer], begin: float = 1.0 / 3.0) -> float:
+def worst(answers: Answers, begin: float = 1.0 / 3.0) -> float:
     """Largest RMS error of several runs after a share of their time, rad."""
     return max(answer.error(begin) for answer in answers)
 
@@ -140,7 +144,7 @@ def _limit(search: Search, least: float = 0.0) -> float:
     return max(search.floor, least, NEAR * search.chosen.error)
 
 
-def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
+def _follows(search: Search, answers: Answers) -> Judged:
     """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
     what = "its mistakes repaired" if search.chosen.codes else "perfect sensors"
     settled = f"; it needs {search.settles_s:.0f} s at rest to settle" * (search.settles_s > 0.0)
@@ -160,7 +164,7 @@ def _without_repair(search: Search, track: Matched) -> str:
     return "".join(f"; {each}" for each in told)
 
 
-def _half_turns(search: Search) -> list[Course]:
+def _half_turns(search: Search) -> Courses:
     """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
     course = search.course
     start, midst = course.at(np.array([0, course.begin_ns + round(5e8 * course.counted_s)]))
@@ -168,7 +172,7 @@ def _half_turns(search: Search) -> list[Course]:
     return [search.settled(course.of_scenario(initial_attitude_xyzw=each)) for each in starts.tolist()]
 
 
-def _starts(search: Search) -> list[Course]:
+def _starts(search: Search) -> Courses:
     """The ordinary motion without a rest to settle, and those that begin turned by each rotation of a cube."""
     course = replace(search.course, settle_s=0.0)
     start = scipy.spatial.transform.Rotation.from_quat(course.scenario.start().attitude_xyzw)
@@ -185,21 +189,21 @@ def _at(course: Course, attitude_xyzw: Array, **parameters: object) -> Course:
     return course.of_scenario(initial_attitude_xyzw=attitude_xyzw.tolist(), **parameters)
 
 
-def _cube_at_rest(search: Search) -> list[Course]:
+def _cube_at_rest(search: Search) -> Courses:
     """Two seconds at rest in each rotation of a cube, without a declination, and with readings without round-off."""
     field = [0.0, float(np.hypot(*search.course.field[:2])), search.course.field[2]]
     rest = replace(search.course, rest_s=0.0, settle_s=0.0, moving_s=2.0, is_rounded=True)
     return [_at(rest, turn.as_quat(), initial_body_rate=[0.0] * 3, magnetic_field=field) for turn in _cube()]
 
 
-def _cube_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _cube_judged(search: Search, answers: Answers) -> Judged:
     failed = sum(answer.broken.size > 0 for answer in answers)
     return limited(
         "of 24 rotations of a cube, at rest and read without round-off, without an attitude:", failed, 0.0, "", ""
     )
 
 
-def _first_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _first_judged(search: Search, answers: Answers) -> Judged:
     """Largest error of the first answer; where it is, and how long until the filter errs as little as later on."""
     starts = answers[1:]
     errors = [answer.track.error().total for answer in starts]
@@ -221,18 +225,18 @@ def _first_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     )
 
 
-def _in_fields(search: Search, fields: Array) -> list[Course]:
+def _in_fields(search: Search, fields: Array) -> Courses:
     """The ordinary course in other fields, shape (n, 3), T."""
     return [search.settled(search.course.of_scenario(magnetic_field=each)) for each in fields.tolist()]
 
 
-def _turned_fields(search: Search) -> list[Course]:
+def _turned_fields(search: Search) -> Courses:
     """The ordinary course in fields of other sizes."""
     field = search.course.field
     return _in_fields(search, np.outer(FIELDS_T, field / np.linalg.norm(field)))
 
 
-def _dipping_fields(search: Search) -> list[Course]:
+def _dipping_fields(search: Search) -> Courses:
     """The ordinary course in fields of the same size and of other dips."""
     field = search.course.field
     level = field[:2] / (np.hypot(*field[:2]) or 1.0)
@@ -247,7 +251,7 @@ def _at_rate(search: Search, rate: float, moving_s: float) -> Course:
     return search.settled(replace(slow, moving_s=moving_s))
 
 
-def _headings(search: Search) -> list[Course]:
+def _headings(search: Search) -> Courses:
     """A nearly level body that is turned through eight headings, with a bias of the gyro that is learnt at rest."""
     if not search.course.ramp_s:
         return []
@@ -259,7 +263,7 @@ def _headings(search: Search) -> list[Course]:
     return [max(course, search.settled(course, course.settle_s), key=lambda each: each.settle_s)]
 
 
-def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _headings_judged(search: Search, answers: Answers) -> Judged:
     errors = answers[0].track.error().total
     before_end = answers[0].t_s - REST - (TURN + HOLD) * np.arange(1, 9)[:, np.newaxis]
     held = [rms(errors[(each > -0.5 * HOLD) & (each < 0.0)]) for each in before_end]
@@ -272,12 +276,12 @@ def _first_given(search: Search) -> Estimate:
     return search.trials[0].unrepaired[0].given
 
 
-def _of_bias(search: Search) -> list[Course]:
+def _of_bias(search: Search) -> Courses:
     """The run with a bias of the gyro, of an estimate that tells one."""
     return _biased(search) if _first_given(search).gyro_bias is not None else []
 
 
-def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _bias_estimate_judged(search: Search, answers: Answers) -> Judged:
     """The estimated bias beside the one put in, in the last quarter: sign, unit and size."""
     told = answers[0].given.gyro_bias
     last = np.mean(told[-len(told) // 4 :], axis=0)
@@ -295,11 +299,11 @@ def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     return passed, said if passed else f"{said}, {fault}", ratio
 
 
-def _biased(search: Search) -> list[Course]:
+def _biased(search: Search) -> Courses:
     return [replace(search.course, moving_s=60.0 - REST, off=(("gyro", tuple(BIAS.tolist())),))]
 
 
-def _cut(search: Search) -> list[Course]:
+def _cut(search: Search) -> Courses:
     """A course on which the gyro has a bias, the same again, and its first half.
 
     With perfect sensors smoothers and causal filters alike give the truth.
@@ -309,12 +313,12 @@ def _cut(search: Search) -> list[Course]:
     return [*_twice(replace(whole, moving_s=moving_s)), replace(whole, moving_s=0.5 * moving_s)]
 
 
-def _twice(course: Course) -> list[Course]:
+def _twice(course: Course) -> Courses:
     """Two courses with the same readings: the seed is that of a noise which they do not have."""
     return [course, replace(course, seed=1)]
 
 
-def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _bias_judged(search: Search, answers: Answers) -> Judged:
     """Error of the last quarter; its limit follows from the second, and from the turn that the bias alone makes.
 
     A twentieth of that turn is allowed: smoothers err at both ends, and more than in the second quarter.
@@ -336,14 +340,14 @@ def _level(search: Search) -> float:
     return float(np.hypot(*search.course.field[:2]) / np.linalg.norm(search.course.field))
 
 
-def _off(search: Search, name: str) -> list[Course]:
+def _off(search: Search, name: str) -> Courses:
     """Courses with a constant error of a vector along each axis; none for a field without a level part."""
     size = VECTOR_ERROR * np.linalg.norm(readings(search.course).vectors[name][0])
     errors = (size * np.eye(3)).tolist() if _level(search) > VECTOR_ERROR else []
     return [replace(search.course, off=((name, tuple(error)),)) for error in errors]
 
 
-def _off_judged(search: Search, answers: Sequence[Answer], sensor: str) -> Judged:
+def _off_judged(search: Search, answers: Answers, sensor: str) -> Judged:
     return limited(
         f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis its error is",
         worst(answers),
@@ -356,7 +360,7 @@ def _noisy(search: Search, seed: int = 1) -> Course:
     return replace(search.course.of_scenario(**(search.noise or GRADE_OF_NOISE)), seed=seed)
 
 
-def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _noise_judged(search: Search, answers: Answers) -> Judged:
     """Error with noise; its limit is that of TRIAD at the readings that are answered; the least possible is told."""
     course = _noisy(search)
     bound = simulate(course.scenario, duration=course.counted_s).cramer_rao_bound()
@@ -383,7 +387,7 @@ def _of_single_sets(search: Search, course: Course, answer: Answer) -> float:
     return error_of([single[answered[len(stamps) // 3 :]]])
 
 
-def _carried(search: Search) -> list[Course]:
+def _carried(search: Search) -> Courses:
     """A carried body, for a minute: a filter that averages its accelerations needs some seconds."""
     return [replace(search.course, is_carried=True, moving_s=60.0 - REST)]
 
@@ -399,11 +403,11 @@ def _axes(first: Array, second: Array) -> Array:
     return np.asarray(axes / np.linalg.norm(axes, axis=-2, keepdims=True))
 
 
-def _gaps(search: Search) -> list[Course]:
+def _gaps(search: Search) -> Courses:
     return [replace(_at_rate(search, SLOW_RATE, 60.0 - REST), gaps_s=(10.0, 20.0, 30.0))]
 
 
-def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _gaps_judged(search: Search, answers: Answers) -> Judged:
     errors = answers[0].track.error().total
     t_s = answers[0].t_s
     last = error_of([answers[0].track[t_s >= 40.0]])
@@ -412,14 +416,14 @@ def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
 
 
-def _rests(search: Search) -> list[Course]:
+def _rests(search: Search) -> Courses:
     """Rests of several lengths before the motion, of a filter that settles at once."""
     if not search.course.ramp_s or (search.settles_s and not search.needs_rest):
         return []
     return [replace(search.course, settle_s=0.0, rest_s=rest_s) for rest_s in _RESTS]
 
 
-def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _rests_judged(search: Search, answers: Answers) -> Judged:
     without, plain, longer = (answer.error() for answer in answers)
     return limited(
         f"without a rest before the motion, or after {REST:g} s, its error is",
@@ -429,13 +433,13 @@ def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     )
 
 
-def _broken(search: Search, answers: Sequence[Answer]) -> Judged:
+def _broken(search: Search, answers: Answers) -> Judged:
     broken = answers[0].broken
     first = f"; the first is sample {broken[0]}" if broken.size else ""
     return limited("attitudes that are NaN, infinite or zero:", broken.size, 0.0, first, "")
 
 
-def _norms_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _norms_judged(search: Search, answers: Answers) -> Judged:
     norms = quaternion.norm(np.delete(answers[0].given.attitude_xyzw, answers[0].broken, axis=0))
     return limited(
         "the square of the quaternions' norm is off 1 by",
@@ -445,13 +449,13 @@ def _norms_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     )
 
 
-def _noisy_runs(search: Search) -> list[Course]:
+def _noisy_runs(search: Search) -> Courses:
     """Short runs for an estimate that has a covariance."""
     has_one = _first_given(search).covariance is not None
     return [replace(_noisy(search, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * has_one)]
 
 
-def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _covariance_judged(search: Search, answers: Answers) -> Judged:
     """Whether a covariance is consistent, and what is wrong with it, by the rule of a campaign."""
     count = min(len(answer.track.stamps_ns) for answer in answers)
     axes = answers[0].given.covariance_axes
@@ -469,14 +473,14 @@ def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     return passed, f"with the noise of {_grade(search)}: {found.message}", found.nees_mean
 
 
-def _alternating(search: Search) -> list[Course]:
+def _alternating(search: Search) -> Courses:
     """Steps of 2/3 and 4/3 of a period, as many of each, so that a filter which takes their median takes the period."""
     course = search.course
     odd = 0.5 * (1 - course.updates % 2) / course.rate
     return [replace(course, grid="alternating", moving_s=course.moving_s + odd)]
 
 
-def _within(said: str, turn: float = 0.0) -> Callable[[Search, Sequence[Answer]], Judged]:
+def _within(said: str, turn: float = 0.0) -> Callable[[Search, Answers], Judged]:
     """Judge the worst of several runs by the floor, twice the error of the plain run, or a share of a step's turn."""
     return lambda search, answers: limited(said, worst(answers), _limit(search, turn * search.course.turn))
 

@@ -98,9 +98,11 @@ class Cause:
 
 Part = tuple[Cause, Array]
 """A cause with its constants."""
+Parts = Sequence[Part]
+"""Causes in the order in which they are undone."""
 
 
-def undone(track: Matched, parts: Sequence[Part]) -> Matched:
+def undone(track: Matched, parts: Parts) -> Matched:
     """The track without some causes, in their order."""
     for cause, constants in parts:
         track = cause.undo(track, constants)
@@ -127,7 +129,7 @@ def by_maps(
     )
 
 
-def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Part]:
+def fit(tracks: MatchedRuns, parts: Parts, steps: int = 12) -> Parts:
     """Fit the constants of some causes together, from a start near them.
 
     Gauss and Newton's steps, with the weights of Geman and McClure: far errors, as while a filter converges, hardly
@@ -156,7 +158,7 @@ def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Par
     return list(parts)
 
 
-def derivative(track: Matched, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
+def derivative(track: Matched, parts: Parts) -> tuple[Array, Array, Array]:
     """Derivative of the errors by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
     now = undone(track, parts)
     truth, rate = now.truth.states(now.stamps_ns)
@@ -164,7 +166,7 @@ def derivative(track: Matched, parts: Sequence[Part]) -> tuple[Array, Array, Arr
     return J, relative_rotations(truth, now.attitude_xyzw), truth
 
 
-def inflations(track: Matched, parts: Sequence[Part]) -> list[float]:
+def inflations(track: Matched, parts: Parts) -> list[float]:
     """Largest variance inflation factor of each cause's constants by fitting the others beside it; 1 without one.
 
     Where the body hardly moves, or turns about one axis, it is large: this motion does not tell the constants apart.

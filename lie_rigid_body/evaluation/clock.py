@@ -6,7 +6,6 @@ another speed or the time of day beside a replay, is looked for where nothing el
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,6 +15,7 @@ from lie_rigid_body.evaluation.causes import (
     MIN_COVERED,
     UP,
     Part,
+    Parts,
     derivative,
     fit,
     fitted_in_time,
@@ -134,9 +134,7 @@ def lag_of(track: Matched, named: Explanation, longest_lag_s: float, period_s: f
     return Lag()
 
 
-def _unnamed(
-    track: Matched, fitted: Sequence[Part], without: Sequence[Part], instead: Sequence[Part], period_s: float
-) -> Lag:
+def _unnamed(track: Matched, fitted: Parts, without: Parts, instead: Parts, period_s: float) -> Lag:
     """Lag that no explanation names: returned where it is sure, or surely small.
 
     A lag must leave no more error than ``instead``, a turn of the world and one of the body. The lead of a right filter
@@ -163,13 +161,13 @@ def _unnamed(
     return Lag(lag_s, error) if told else Lag()
 
 
-def _separable(track: Matched, parts: Sequence[Part]) -> bool:
+def _separable(track: Matched, parts: Parts) -> bool:
     """Whether the body turns at all, and the motion tells the lag, the last constant, apart from the others."""
     turns = rms(norm(derivative(track, parts)[0][..., -1])) > MIN_BODY_RATE
     return turns and inflations(track, parts)[-1] <= MAX_INFLATION
 
 
-def standard_error(track: Matched, parts: Sequence[Part]) -> float:
+def standard_error(track: Matched, parts: Parts) -> float:
     """Standard error of the lag, which is the last of the fitted constants, s.
 
     The largest of three. The jackknife of `BLOCKS` blocks of the run tells how much the lag changes when one is left

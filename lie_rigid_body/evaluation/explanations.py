@@ -22,7 +22,7 @@ import numpy as np
 from lie_rigid_body.evaluation.attitudes import angles, error_vectors, period_ns
 from lie_rigid_body.evaluation.causes import (
     BY_CODE,
-    Part,
+    Parts,
     fit,
     heading,
     inflations,
@@ -200,7 +200,7 @@ class Explanation:
         return float(np.mean(0.5 * np.log2(floored(self.left)))) + simple
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> Parts:
         """The causes of the table with their constants, as fitted so far."""
         forms = [(BY_CODE[code], np.array([float(number)])) for code, number in self.form]
         turns = [(BY_CODE[code], _NUMBERS[code][0](self.numbers[_NUMBERS[code][1]])) for code in self.turned]

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, unit
 from lie_rigid_body.evaluation.attitudes import Truth, period_ns
-from lie_rigid_body.evaluation.causes import MIN_COVERED, Part, fit, inflations, late, undone
+from lie_rigid_body.evaluation.causes import MIN_COVERED, Part, Parts, fit, inflations, late, undone
 from lie_rigid_body.evaluation.clock import SIGNIFICANT, Lag, lag_of, other_clock, standard_error
 from lie_rigid_body.evaluation.consistency import consistency_of
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
@@ -401,7 +401,7 @@ def _ahead(evidence: Evidence, choice: Choice, lag: Lag) -> tuple[ScoreNote, ...
 
 
 def _in_words(
-    track: Matched, evidence: Evidence, named: Explanation, parts: Sequence[Part], most: int = 2000
+    track: Matched, evidence: Evidence, named: Explanation, parts: Parts, most: int = 2000
 ) -> tuple[Finding, ...]:
     """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
@@ -426,7 +426,7 @@ def _in_words(
     return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
 
 
-def _errors(track: Matched, parts: Sequence[Part]) -> Array:
+def _errors(track: Matched, parts: Parts) -> Array:
     """Errors without some causes where the truth is known, degrees."""
     return np.asarray(np.degrees(undone(track, parts).known().error().total))
 

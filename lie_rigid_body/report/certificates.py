@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -13,8 +13,8 @@ from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.report import answer, figures, html_page
-from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
-from lie_rigid_body.report.recorded_motion import RecordedSegment, ResidualsOverTime
+from lie_rigid_body.report.answer import Conclusion, Details, Part, Parts, Picture, Sentences, Table
+from lie_rigid_body.report.recorded_motion import Pieces, ResidualsOverTime
 from lie_rigid_body.scenario.facts import facts
 
 _HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
@@ -34,7 +34,7 @@ def page(
     bag: str,
     certificate: Certificate,
     residuals: ResidualsOverTime,
-    pieces: Sequence[RecordedSegment],
+    pieces: Pieces,
     proof: Proof | None = None,
 ) -> bytes:
     """Answer as a page.
@@ -60,7 +60,7 @@ def page(
     )
 
 
-def parts(certificate: Certificate, proof: Proof | None = None) -> list[Part]:
+def parts(certificate: Certificate, proof: Proof | None = None) -> Parts:
     """Answer about a certificate: to what accuracy it holds or what is broken, the laws, and what it leaves out."""
     first, *others = _verdict(certificate)
     return [
@@ -179,7 +179,7 @@ def of_limit(worst: float, limit: float) -> str:
     return f"{worst / limit:.2g}" if limit > 0.0 else f"{worst:.2g} of 0" if worst != 0.0 else "0"
 
 
-def _residuals(certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]) -> str:
+def _residuals(certificate: Certificate, residuals: ResidualsOverTime, pieces: Pieces) -> str:
     """HTML of the residuals over time."""
     panels = list(figures.residuals_over_time(certificate, residuals, pieces))
     what = html_page.paragraph(

@@ -50,6 +50,10 @@ class RecordedSegment(Block):
     segment: Segment
 
 
+Pieces = Sequence[RecordedSegment]
+"""Segments of one recording, in the order of time."""
+
+
 def recorded_segments(bag: Bag | Recording, certificate: Certificate | None = None) -> list[RecordedSegment]:
     """Segments of a bag with their samples, 80 bytes each.
 
@@ -124,12 +128,12 @@ class LawOverTime:
         return np.asarray((stamps_ns[order] - origin_ns) * 1e-9), residuals, limits, broken > 0.0
 
 
-def times(stamps_ns: Integers, pieces: Sequence[RecordedSegment]) -> Array:
+def times(stamps_ns: Integers, pieces: Pieces) -> Array:
     """Times since the first sample of a recording, s."""
     return np.asarray((stamps_ns - pieces[0].stamps_ns[0]) * 1e-9, dtype=np.float64)
 
 
-def reset_times(pieces: Sequence[RecordedSegment]) -> Array:
+def reset_times(pieces: Pieces) -> Array:
     """Times of the resets since the first sample of a recording, s."""
     return times(np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64), pieces)
 

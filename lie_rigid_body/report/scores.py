@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Lim
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
-from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Conclusion, Details, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
 from lie_rigid_body.report.recorded_motion import curve_style, extremes
 
@@ -62,7 +62,7 @@ def as_text(score: Score) -> str:
     return answer.as_text([Sentences(score.remarks), _verdict(score), *tables(score), _findings(score), notes])
 
 
-def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
+def parts(read: RecordedEstimate | None, score: Score) -> Parts:
     """Answer about the score of an estimate that was read, or of one in arrays."""
     return [
         Sentences(score.remarks),
@@ -77,7 +77,7 @@ def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
     ]
 
 
-def parts_of_several(scored: Scored) -> list[Part]:
+def parts_of_several(scored: Scored) -> Parts:
     """Answer about the scores of several estimates."""
     return [
         Sentences([*dict.fromkeys(sentence for _, score in scored for sentence in score.remarks)]),
