@@ -13,7 +13,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.foundation.wording import counted, numerals
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
     EYE,
@@ -25,6 +25,7 @@ from lie_rigid_body.report.recorded_motion import (
     RecordedSegment,
     curve_style,
     extremes,
+    in_words,
     reset_times,
     times,
 )
@@ -179,16 +180,8 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
 def _title(pieces: Pieces, whose: str) -> str:
     scenario = pieces[0].segment.scenario
     count = len(pieces) - 1
-    stepper = f"moving chart {scenario.method}, step at most {scenario.longest_step:.3g} s"
-    motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
     marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
-    told = (
-        f"{'kicked' if scenario.kicks else 'torque-free'} body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
-        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s"
-    )
     samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
-    if path := scenario.path():
-        told = f"body on a path, {whose}through {len(path)} knots"
     others = "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
-    return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}{others}"
+    return f"{whose}{in_words(scenario)}\n{samples} at {scenario.rate:g} Hz{resets}{others}"

@@ -136,21 +136,15 @@ def tables(score: Score) -> list[Table]:
 
 def _angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     """Statistics of the three errors by name, and of the Cramér–Rao bounds of the total error, where they are known."""
-    best = score.best if score.best and score.best.filtered else None
-    calibrated = best and best.calibrated
-    dynamic = best and best.dynamic
-    rows = {
-        "total": score.total_deg,
-        "heading": score.heading_deg,
-        "inclination": score.inclination_deg,
-        "bound, filter": best and best.filtered,
-        "bound, smoother": best and best.smoothed,
-        "bound, calibrated filter": calibrated and calibrated.filtered,
-        "bound, calibrated smoother": calibrated and calibrated.smoothed,
-        "bound, dynamic filter": dynamic and dynamic.filtered,
-        "bound, dynamic smoother": dynamic and dynamic.smoothed,
-    }
-    return ((name, found) for name, found in rows.items() if found)
+    yield "total", score.total_deg
+    yield "heading", score.heading_deg
+    yield "inclination", score.inclination_deg
+    best = score.best
+    bounds = {"": best, "calibrated ": best and best.calibrated, "dynamic ": best and best.dynamic}
+    for name, bound in bounds.items():
+        if bound and bound.filtered and bound.smoothed:
+            yield f"bound, {name}filter", bound.filtered
+            yield f"bound, {name}smoother", bound.smoothed
 
 
 def _facts(score: Score) -> Iterator[tuple[str, str]]:
@@ -337,13 +331,7 @@ def _draw_total(axes: Axes, score: Score) -> None:
         where = ", far above" if limit > high else ", far below" if limit < low else ""
         axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=f"{name}{where}")
     if score.time_to_converge_s:
-        axes.axvline(
-            score.time_to_converge_s,
-            color=GREEN,
-            lw=1.0,
-            ls="--",
-            label="settled",
-        )
+        axes.axvline(score.time_to_converge_s, color=GREEN, lw=1.0, ls="--", label="settled")
 
 
 def _draw_parts(axes: Axes, score: Score) -> None:
