@@ -13,12 +13,12 @@ from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
 from lie_rigid_body.diagnosis.search import GRADE_OF_NOISE, UNJUDGED, Search
 from lie_rigid_body.diagnosis.trials import NEAR
-from lie_rigid_body.evaluation import CramerRaoBound, ExactTruth, evaluate
+from lie_rigid_body.evaluation import CramerRaoBound
 from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.matched import Matched, error_of
-from lie_rigid_body.evaluation.remarks import NOT_UNIT
+from lie_rigid_body.evaluation.remarks import NOT_UNIT, Turns
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import FilterError, InputError
@@ -46,8 +46,6 @@ DIPS: Final = (0.0, 75.0, -75.0)
 """Dips of a field at the equator and near the poles, degrees."""
 LEARNING_S: Final = 60.0
 """Least rest in which a filter learns the bias of the gyro before it is turned through eight headings, s."""
-WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
-"""Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 _RESTS: Final = (0.0, REST, 3.0 * REST)
 """Rests before the motion that are compared, s."""
 SEEDS: Final = 12
@@ -155,13 +153,12 @@ def _follows(search: Search, answers: Answers) -> Judged:
 
 
 def _without_repair(search: Search, track: Matched) -> str:
-    """Sentences about an error that no repair removes."""
+    """Sentence about an error that no repair removes."""
     if search.is_by_chance:
         return f"; two equal runs differ by {in_degrees(search.scatter)}: no repair is looked for"
-    known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
-    score = evaluate(track.stamps_ns, track.attitude_xyzw, known)
-    told = [f"{each.code}: {each.message}" for each in score.findings if each.code in WITHOUT_REPAIR]
-    return "".join(f"; {each}" for each in told)
+    turns = Turns(track)
+    remark = turns.stuck() or turns.mixed() or turns.other()
+    return f"; {remark.code}: {remark.message}" if remark else ""
 
 
 def _half_turns(search: Search) -> Courses:

@@ -137,6 +137,12 @@ class Search:
     """
 
     free: Trial
+    runs = updates = 0
+    is_cut = is_rest_cut = is_level = is_slow = needs_noise = needs_rest = False
+    deaf: tuple[str, ...] = ()
+    scatter = chatter = growth = 0.0
+    unstable_by = ""
+    _short_error = np.pi
 
     def __init__(
         self,
@@ -153,14 +159,6 @@ class Search:
         self.noise = noise
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self.trials: list[Trial] = []
-        self.runs = 0
-        self.updates = 0
-        self.is_cut = self.is_rest_cut = self.is_level = self.is_slow = False
-        self.deaf: tuple[str, ...] = ()
-        self.scatter = self.chatter = self.growth = 0.0
-        self.unstable_by = ""
-        self._short_error = np.pi
-        self.needs_noise = self.needs_rest = False
         self.known: dict[Course, Answer | FilterError] = {}
         self._rests: dict[Any, float] = {}
 
