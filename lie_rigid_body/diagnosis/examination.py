@@ -269,7 +269,7 @@ def diagnose(
             crew.each if crew else partial(each_alone, cast("Estimator", estimate)),
             courses,
             most,
-            progress or (lambda runs: None),
+            progress,
             noise,
         )
         remarks = [f"Each run of a node takes seconds: it is not probed for {', '.join(left_out)}."] * is_node

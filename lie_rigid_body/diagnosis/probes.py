@@ -166,7 +166,7 @@ def _half_turns(search: Search) -> Courses:
     course = search.course
     start, midst = course.at(np.array([0, course.begin_ns + round(5e8 * course.counted_s)]))
     starts = quaternion.multiply(quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst)), start)
-    return [search.settled(course.of_scenario(initial_attitude_xyzw=each)) for each in starts.tolist()]
+    return [search.settled(_at(course, each)) for each in starts]
 
 
 def _starts(search: Search) -> Courses:

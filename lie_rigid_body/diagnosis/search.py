@@ -130,7 +130,7 @@ class Search:
         Ordinary courses; see `courses_of`.
     most_runs : int
         Runs of the filter after which no more pairs are begun.
-    tell : callable
+    tell : callable, optional
         Function that is called with the number of runs after each.
     noise : mapping of str to float, optional
         Densities of the noise that the filter assumes, where they are given.
@@ -149,13 +149,13 @@ class Search:
         each: Callable[[Sequence[Job]], Iterator[Answer | FilterError]],
         courses: tuple[Course, ...],
         most_runs: int,
-        tell: Callable[[int], object] = lambda runs: None,
+        tell: Callable[[int], object] | None = None,
         noise: Mapping[str, float] | None = None,
     ) -> None:
         self._each = each
         self.courses = courses
         self.most_runs = most_runs
-        self._tell = tell
+        self._tell = tell or (lambda runs: None)
         self.noise = noise
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self.trials: list[Trial] = []
