@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain, product
+from itertools import chain, islice, product
 from typing import Any, Final
 
 import numpy as np
@@ -473,10 +473,15 @@ class Search:
     def _scaled(self) -> None:
         """Fit a factor of the gyro near 1 beside the cheapest repairs that leave a small error: it is a note."""
         best = {t.codes: t for t in sorted(self.trials, key=lambda t: -t.error)}
-        before = best[()].error
-        small = [t for t in best.values() if self.floor < t.error <= (MENDED * before if t.codes else UNJUDGED)]
-        scaled = {codes[1:] for codes in best if codes[:1] == ("gyro_scale",)}
-        bases = [t for t in small if t.codes not in scaled and not {"gyro_scale", "time_step"} & {*t.codes}]
+        small = MENDED * best[()].error
+        known = {codes[1:] for codes in best if codes[:1] == ("gyro_scale",)}
+        bases = [
+            t
+            for codes, t in best.items()
+            if self.floor < t.error <= (small if codes else UNJUDGED)
+            and codes not in known
+            and not {"gyro_scale", "time_step"} & {*codes}
+        ]
         for base in sorted(bases, key=lambda t: (t.rank, t.error))[:2]:
             inputs = tuple(each for each in base.mistakes if each.change)
             causes = [CODED[each.code] for each in base.mistakes if not each.change][-1:]
@@ -536,10 +541,9 @@ class Search:
         """
         answers = self.ask([(course, repairs) for repairs, courses in asked for course in courses])
         for repairs, courses in asked:
-            given = [next(answers) for _ in courses]
             kind = courses[0].parameter("gyro_rate")
             right = list[Answer]()
-            for answer in given:
+            for answer in islice(answers, len(courses)):
                 if isinstance(answer, Answer) and not (repairs and answer.broken.size):
                     right.append(answer)
                 elif isinstance(answer, FilterError) and not repairs:
@@ -551,9 +555,8 @@ class Search:
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.thinned(SCREENED) for each in tracks]
-            alone = Trial(
-                repairs, kind, error_of(tracks), parts, tracks[0], () if repairs not in ((), (JOINT,)) else right
-            )
+            unrepaired = right if repairs in ((), (JOINT,)) else ()
+            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], unrepaired)
             undone = without(tracks, self._named(causes), pairs=not alone.codes)
             yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in undone)]
 
