@@ -11,6 +11,6 @@ and the repair that makes the error vanish names the mistake.
 """
 
 from lie_rigid_body.diagnosis.examination import FilterDiagnosis, Mistake, Note, diagnose
-from lie_rigid_body.diagnosis.probes import Probe
+from lie_rigid_body.diagnosis.probing import Probe
 
 __all__ = ["FilterDiagnosis", "Mistake", "Note", "Probe", "diagnose"]

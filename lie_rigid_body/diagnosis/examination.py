@@ -13,7 +13,8 @@ import numpy as np
 
 from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import NOISE, TINY, courses_of, noise_of
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, Probe, in_degrees, told
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES
+from lie_rigid_body.diagnosis.probing import Probe, in_degrees, told
 from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER
 from lie_rigid_body.diagnosis.search import MAX_REST, Search
 from lie_rigid_body.diagnosis.situations import Situation, common, situations
