@@ -24,17 +24,8 @@ from lie_rigid_body.evaluation.causes import (
     undone,
     weights,
 )
-from lie_rigid_body.evaluation.explanations import (
-    BOTH,
-    FULL,
-    LEAD,
-    MAX_INFLATION,
-    MAX_LEFT,
-    MIN_LATE,
-    SHARE,
-    UNLIKE,
-    Explanation,
-)
+from lie_rigid_body.evaluation.evidence import FULL, LEAD, MAX_INFLATION, MIN_LATE, UNLIKE
+from lie_rigid_body.evaluation.explanations import BOTH, MAX_LEFT, SHARE, Explanation
 from lie_rigid_body.evaluation.matched import (
     MIN_SAMPLES,
     NEGLIGIBLE,

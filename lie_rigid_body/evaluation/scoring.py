@@ -21,7 +21,8 @@ from lie_rigid_body.evaluation.clock import SIGNIFICANT, Lag, lag_of, other_cloc
 from lie_rigid_body.evaluation.consistency import consistency_of
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
-from lie_rigid_body.evaluation.explanations import LEAD, MAX_INFLATION, PAIRS, SHARE, TIE, Choice, Evidence, Explanation
+from lie_rigid_body.evaluation.evidence import LEAD, MAX_INFLATION, TIE, Choice, Evidence
+from lie_rigid_body.evaluation.explanations import PAIRS, SHARE, Explanation
 from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched, floored, lags_of_rates
 from lie_rigid_body.evaluation.score import BiasEstimate, BoundComparison, Finding, Score, ScoreNote
 from lie_rigid_body.evaluation.statistics import (
