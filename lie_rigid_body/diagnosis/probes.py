@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
+from lie_rigid_body.diagnosis.noise_probes import covariance, first_given, noise, of_single_sets
 from lie_rigid_body.diagnosis.probing import (
     Courses,
     ProbeRow,
@@ -20,19 +20,13 @@ from lie_rigid_body.diagnosis.probing import (
     tolerated,
     worst,
 )
-from lie_rigid_body.diagnosis.search import GRADE_OF_NOISE, UNJUDGED, Search
+from lie_rigid_body.diagnosis.search import UNJUDGED, Search
 from lie_rigid_body.diagnosis.trials import NEAR
-from lie_rigid_body.evaluation import CramerRaoBound
-from lie_rigid_body.evaluation.attitudes import error_vectors
-from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
-from lie_rigid_body.evaluation.estimate import Estimate
-from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.remarks import NOT_UNIT, Turns
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
-from lie_rigid_body.runs import simulate
 
 GYRO_BIAS: Final = float(np.radians(1.0))
 """Size of a constant error of the gyro, rad/s."""
@@ -57,13 +51,6 @@ LEARNING_S: Final = 60.0
 """Least rest in which a filter learns the bias of the gyro before it is rotated through eight headings, s."""
 RESTS: Final = (0.0, REST, 3.0 * REST)
 """Rests before the motion that are compared, s."""
-SEEDS: Final = 12
-"""Short runs with noise by which a covariance is judged, and as many others. Of twenty right covariances one is called
-inconsistent by chance, and two of these verdicts are not."""
-SHORT_S: Final = 5.0
-"""Length of the motion of a short run with noise, s."""
-JUDGED: Final = 20
-"""Number of samples of a short run by which a covariance is judged."""
 SAME: Final = 1e-9
 """Largest difference of two estimates, rad, that count as the same."""
 
@@ -214,14 +201,9 @@ def _gyro_bias(search: Search) -> Probing:
     )
 
 
-def _first_given(search: Search) -> Estimate:
-    """Estimate of the filter as it is, on the first course."""
-    return search.trials[0].unrepaired[0].given
-
-
 def _bias_estimate(search: Search) -> Probing:
     """The estimated bias beside the one put in, in the last quarter: sign, unit and size."""
-    [answer] = yield [_biased(search)] * (_first_given(search).gyro_bias is not None)
+    [answer] = yield [_biased(search)] * (first_given(search).gyro_bias is not None)
     told = answer.given.gyro_bias
     last = np.mean(told[-len(told) // 4 :], axis=0)
     ratio = float(last @ BIAS / GYRO_BIAS**2)
@@ -245,7 +227,7 @@ def _linear_acceleration(search: Search) -> Probing:
     return limited(
         "carried with 2 m/s² along each axis its error is",
         answer.error(),
-        max(search.floor, 0.5 * _of_single_sets(search, course, answer)),
+        max(search.floor, 0.5 * of_single_sets(search, course, answer)),
         "; the limit is half of what single sets of readings give",
     )
 
@@ -258,50 +240,6 @@ def _off(search: Search, name: str, sensor: str) -> Probing:
     answers = yield [replace(search.course, off=((name, tuple(error)),)) for error in errors]
     most = max(BIAS_PEAK * float(np.arcsin(VECTOR_ERROR / level)), tolerated(search))
     return limited(f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis its error is", worst(answers), most)
-
-
-def _noisy(search: Search, seed: int = 1) -> Course:
-    """The ordinary course with white noise: that which the filter assumes, or else of tactical sensors."""
-    return replace(search.course.of_scenario(**(search.noise or GRADE_OF_NOISE)), seed=seed)
-
-
-def _grade(search: Search) -> str:
-    return "the given sensors" if search.noise else "tactical sensors"
-
-
-def _noise(search: Search) -> Probing:
-    """Error with noise; its limit is that of TRIAD at the readings that are answered; the least possible is told."""
-    course = _noisy(search)
-    [answer] = yield [course]
-    bound = simulate(course.scenario, duration=course.counted_s).cramer_rao_bound()
-    assert bound
-    least = CramerRaoBound.rms(bound.filtered[len(bound.filtered) // 3 :])
-    return limited(
-        f"with the noise of {_grade(search)} its error is",
-        answer.error(),
-        1.01 * _of_single_sets(search, course, answer),
-        f"; the Cramér–Rao bound of filters is {in_degrees(least)} over many such runs",
-    )
-
-
-def _of_single_sets(search: Search, course: Course, answer: Answer) -> float:
-    """RMS error, rad, of TRIAD from each single set of readings that is answered, without the first third."""
-    stamps = answer.track.stamps_ns
-    read = readings(course)
-    held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
-    world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
-    body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
-    attitude = quaternion.from_matrix(world @ np.swapaxes(body, -1, -2))
-    single = Matched(read.t_ns, attitude, course, is_level=search.is_level)
-    answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
-    return error_of([single[answered[len(stamps) // 3 :]]])
-
-
-def _axes(first: Array, second: Array) -> Array:
-    """The axes that two directions span (TRIAD), in columns, shape (..., 3, 3)."""
-    across = np.cross(first, second)
-    axes = np.stack([first, across, np.cross(first, across)], axis=-1)
-    return np.asarray(axes / np.linalg.norm(axes, axis=-2, keepdims=True))
 
 
 def _dropouts(search: Search) -> Probing:
@@ -363,26 +301,6 @@ def _finite(search: Search) -> Probing:
     return limited("attitudes that are NaN, infinite or zero:", broken.size, 0.0, first, "")
 
 
-def _covariance(search: Search) -> Probing:
-    """Whether a covariance is consistent, and what is wrong with it, by the rule of a campaign; by short runs."""
-    has_one = _first_given(search).covariance is not None
-    answers = yield [replace(_noisy(search, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * has_one)]
-    count = min(len(answer.track.stamps_ns) for answer in answers)
-    axes = answers[0].given.covariance_axes
-    at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
-    tracks = [answer.track[at] for answer in answers]
-    estimate = np.stack([track.attitude_xyzw for track in tracks])
-    errors = error_vectors(estimate, np.stack([track.truth_xyzw for track in tracks]), axes)
-    covariance = np.stack([answer.given.rotation_covariance()[at] for answer in answers])
-    verdicts = [
-        ensemble_consistency(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)
-        for runs in (slice(SEEDS), slice(SEEDS, None))
-    ]
-    found = min(verdicts, key=lambda each: (not each.passed, each.cause in ("", "factor")))
-    passed = found.passed if search.noise else None
-    return passed, f"with the noise of {_grade(search)}: {found.message}", found.nees_mean
-
-
 def _needs_rest(search: Search) -> Probing:
     """Rests of several lengths before the motion, of a filter that settles at once."""
     settles = search.settles_s and not search.needs_rest
@@ -436,13 +354,13 @@ PROBES: Final = (
     ProbeRow("linear_acceleration", _linear_acceleration),
     ProbeRow("accelerometer_bias", lambda search: _off(search, "specific_force", "an accelerometer")),
     ProbeRow("hard_iron", lambda search: _off(search, "field", "a magnetometer")),
-    ProbeRow("noise", _noise),
+    ProbeRow("noise", noise),
     ProbeRow("dropouts", _dropouts),
     ProbeRow("long_run", _long_run),
     ProbeRow("repeatable", _repeatable, needs_error=False),
     ProbeRow("norm", _norms, needs_error=False),
     ProbeRow("finite", _finite, needs_error=False),
-    ProbeRow("covariance", _covariance),
+    ProbeRow("covariance", covariance),
     ProbeRow("needs_rest", _needs_rest),
 )
 """The probes in the order in which they are told."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from lie_rigid_body.diagnosis import FilterDiagnosis
-from lie_rigid_body.diagnosis.examination import degrees
+from lie_rigid_body.diagnosis.filter_diagnosis import degrees
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.league.table import angle, rank_with_ties
