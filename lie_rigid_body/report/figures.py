@@ -76,8 +76,6 @@ _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
 """Numbers of a box's corners along a path through all its edges."""
 _NONE: Final = np.zeros((1, 3))
 
-_MIN_SPAN: Final = 0.3
-"""Least span of a distribution, decades."""
 _BEYOND: Final = 10.0
 """Height at which infinite residuals are drawn, as a multiple of the largest finite one."""
 _LIMIT: Final[Look] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
@@ -349,7 +347,7 @@ def _traces(worst: LawResult, law: LawOverTime, origin_ns: int) -> Iterator[Look
 
 
 def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
-    """Draw how often each size of the worst residual occurs among many bags, beside the limits.
+    """Draw how many of many bags have a worst residual up to each size, beside the limits.
 
     Parameters
     ----------
@@ -374,23 +372,16 @@ def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> 
 
 
 def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> Look:
-    """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
-    low = np.log10(residuals.min())
-    high = np.log10(residuals.max())
-    widen = max(0.0, _MIN_SPAN - (high - low)) / 2.0 + 1e-9
-    edges = np.logspace(low - widen, high + widen, 31)  # of 30 bars
-    traces: list[Look] = []
-    beyond = residuals > own
-    for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):
-        counts, _ = np.histogram(residuals[which], edges)
-        if counts.any():
-            bars = {"x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts}
-            traces.append({"type": "bar", "marker": {"color": colour}, "name": label, **bars})
-    top = max(int(np.max(trace["y"])) for trace in traces)
-    least = float(limits.min())
-    most = float(limits.max())
-    corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
-    area = {**line(corners, "limits", GREY, 1.4), "fill": "toself"}
-    traces.append({**(line(corners[:2], "limit", GREY, 1.4) if least == most else area), **_LIMIT})
-    size = logarithmic("worst residual", np.append(edges, limits))
-    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"), barmode="stack", bargap=0)
+    """Number of residuals up to each size, with marks at those beyond their own limits, and the limits of all."""
+    order = np.argsort(residuals)
+    points = np.column_stack([residuals[order], np.arange(1, len(order) + 1)])
+    beyond = points[(residuals > own)[order]]
+    ends = limits[[np.argmin(limits), np.argmax(limits)]]
+    corners = np.column_stack([np.repeat(ends, 2), [0.0, len(order), len(order), 0.0]])
+    traces = [
+        line(points, "worst residuals", COLOURS[2], 1.4, mode="lines+markers"),
+        line(beyond, "beyond the limit", RED, 1.0, mode="markers", showlegend=len(beyond) > 0),
+        {**line(corners, "limits", GREY, 1.4), "fill": "toself", **_LIMIT},
+    ]
+    size = logarithmic("worst residual, up to", np.append(residuals, limits))
+    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"))

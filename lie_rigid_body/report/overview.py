@@ -166,5 +166,5 @@ def _distributions(what: str, verdicts: Verdicts) -> Iterator[str]:
             laws.setdefault(name, []).append(pair)
     if panels := list(figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"
-        yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
+        yield html_page.paragraph(f"How many {what} have a worst residual up to each size, beside the limits.")
         yield html_page.grid(panels)
