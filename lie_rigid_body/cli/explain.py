@@ -12,6 +12,7 @@ from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS, Value, Vector
+from lie_rigid_body.foundation.wording import numerals
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion import Description
@@ -362,7 +363,7 @@ def _period(rate_rad_s: float) -> str:
 
 def _vector(values: Sequence[float]) -> str:
     """Numbers in brackets."""
-    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
+    return f"[{numerals(values)}]"
 
 
 def _axis_name(description: Description, index: int) -> str:
