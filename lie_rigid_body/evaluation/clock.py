@@ -141,7 +141,7 @@ def _unnamed(track: Matched, fitted: Parts, without: Parts, instead: Parts, peri
         return Lag()
     clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
     # each half of a run alone tells about the same lag; what drifts feign hardly does
-    halves = [track[half] for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
+    halves = (track.fraction(0.0, 0.5), track.fraction(0.5))
     alone = (float(fit([half], fitted)[-1][1][0]) for half in halves)
     lead = -LEAD * period_s <= lag_s <= 0.0
     clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and (lead or left <= other)

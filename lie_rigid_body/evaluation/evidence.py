@@ -292,16 +292,16 @@ class Evidence:
         The difference must exceed `SHRUNK` of it, the error that is left, and what the sensors' own errors leave. About
         half of it must come by the middle third: what decays faster is no constant of three quarters.
         """
-        settled = np.arange(len(self.track.stamps_ns))[len(self.track.stamps_ns) // 4 :]
-        fits = [fit([self.track[part]], explanation.parts) for part in np.array_split(settled, BLOCKS)]
+        begins = np.linspace(0.25, 1.0, BLOCKS, endpoint=False).tolist()
+        fits = [fit([self.track.fraction(begin, begin + 0.75 / BLOCKS)], explanation.parts) for begin in begins]
         for k, (cause, constants) in enumerate(explanation.parts):
             if cause.price:
                 turn = self.root_mean_square_rate if cause.unit == "s" else 1.0
                 sizes = np.array([found[k][1] @ constants for found in fits]) * turn / float(np.linalg.norm(constants))
                 thirds = sizes.reshape(3, -1)
                 first, middle, last = thirds.mean(axis=1)
-                error = 3.0 * np.sqrt((np.var(thirds[0], ddof=1) + np.var(thirds[-1], ddof=1)) / 3.0)
-                halfway = abs(first - middle - 0.5 * (first - last)) < EVENLY * (first - last)
+                error = np.sqrt(3.0 * thirds[::2].var(axis=1, ddof=1).sum())  # 3 standard errors of the difference
+                halfway = abs(0.5 * (first + last) - middle) < EVENLY * (first - last)
                 if halfway and first - last > max(error, SHRUNK * first, explanation.error, self.left_by_sensors):
                     return False
         return True
