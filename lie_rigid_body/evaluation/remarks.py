@@ -197,8 +197,8 @@ class Turns:
     def mixed(self) -> Remark | None:
         """Finding that the samples of the estimate belong to two attitudes in turns.
 
-        A jump leads from one of them to the other, and the next one back: from before it to behind the next the
-        estimate rotates as far as the body does.
+        A jump leads from one of them to the other, and the next one leads back. So from the sample before a jump to
+        the one after the next jump the estimate rotates as far as the body.
         """
         jumps = self.ours_rad > np.maximum(MIN_TURN, JUMP * self.true_rad)
         if np.count_nonzero(jumps) <= max(MIN_SAMPLES, MIN_MIXED * len(jumps)):
