@@ -319,7 +319,8 @@ class Search:
         change = exact.track.differences(nearly.track)
         later = (long or exact).track.differences((nearly_long or nearly).track)
         third = len(change) // 3
-        level, growth = rms(change[-third:]), rms(later[-len(later) // 3 :])
+        level = rms(change[-third:])
+        growth = rms(later[-len(later) // 3 :])
         grows = level > NEAR * rms(change[:third]) or growth > NEAR * level
         if grows and max(level, growth) > max(self.floor, NEAR * best.error, NEAR * self.scatter):
             self.growth = max(level, growth)

@@ -50,8 +50,8 @@ Varied = Mapping[int, Mapping[str, Any]]
 
 
 def as_text(comparison: Comparison) -> str:
-    """Answer for a terminal."""
-    return answer.as_text(_parts(comparison))
+    """Answer for a terminal: the estimators, each two of them, and sentences on grids, covariances and failures."""
+    return answer.as_text([*_table(comparison), *_pairs(comparison), Sentences([*_sentences(comparison)])])
 
 
 def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> Parts:
@@ -66,11 +66,6 @@ def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> Parts:
         Picture(lambda: grid(_figures(shown, varied), wide=True)),
         _worst_runs(campaign, comparison),
     ]
-
-
-def _parts(comparison: Comparison) -> Parts:
-    """Table of the estimators, matrix of the pairs, and sentences on grids, covariances and failures."""
-    return [*_table(comparison), *_pairs(comparison), Sentences([*_sentences(comparison)])]
 
 
 def _table(comparison: Comparison) -> Parts:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from lie_rigid_body.certificate import Certificate, LawResult
+from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, printable
 from lie_rigid_body.report import answer, certificates, figures, html_page
@@ -109,15 +109,11 @@ def _cells(verdict: Verdict) -> tuple[str, ...]:
     if certificate is None:
         return _VERDICTS[verdict.status], "", "", "", "", verdict.name
     samples = sum(segment.samples for segment in certificate.segments)
-    worst = _worst_law(certificate)
+    # that came nearest to its limit, or went farthest beyond
+    worst = max(certificate.laws, key=lambda law: (not law.holds, law.share))
     accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
     of_limit = certificates.of_limit(worst.worst, worst.limit)
     return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, of_limit, verdict.name
-
-
-def _worst_law(certificate: Certificate) -> LawResult:
-    """Law that came nearest to its limit, or went farthest beyond."""
-    return max(certificate.laws, key=lambda law: (not law.holds, law.share))
 
 
 def _summary(verdicts: Verdicts) -> str:
