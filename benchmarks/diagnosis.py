@@ -47,10 +47,12 @@ from tqdm import tqdm
 from league.contender import Filter, filters
 from league.readings import Readings
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
+from lie_rigid_body.diagnosis.answers import Answer, Job
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MAX_RUNS
-from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Answer, Job, Repair, exact_repairs, factor, late
-from lie_rigid_body.diagnosis.search import Search, plain
+from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Repair, exact_repairs, factor, late
+from lie_rigid_body.diagnosis.search import Search
+from lie_rigid_body.diagnosis.trials import plain
 from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.foundation.errors import FilterError, LieRigidBodyError
@@ -224,7 +226,7 @@ def _on_body_axes(readings: Any) -> Any:
     return readings.changed(lambda gyro: quaternion.rotate(back, gyro), "gyro")
 
 
-BODY_AXES: Final = Repair("put", "gyro on the body's axes", 0, _on_body_axes, "", "")
+BODY_AXES: Final = Repair("put", "gyro on the body's axes", change=_on_body_axes)
 
 
 def named(number: int, mistake: int) -> tuple[int, int, str, str]:

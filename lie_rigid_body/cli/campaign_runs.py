@@ -22,7 +22,7 @@ from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.wording import MAX_NAMES, counted, listed, printable, shown
 from lie_rigid_body.report import campaign_scores
-from lie_rigid_body.report.answer import Conclusion, Details, Part, Table, as_page
+from lie_rigid_body.report.answer import Conclusion, Details, Parts, Table, as_page
 from lie_rigid_body.report.outputs import require_outputs
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interpreters import Interpreter
@@ -188,7 +188,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
         f"{max(row.attitude_accuracy_rad for row in rows):.2g} rad, in {printable(str(path))}",
         *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
     ]
-    first: list[Part] = []
+    first: Parts = []
     worst_first = [*campaign.estimator_specs.values()]
     if campaign.estimator is not None:
         told.append(_scored(rows))
@@ -228,7 +228,7 @@ def _scored(rows: Sequence[Row]) -> str:
     return f"{len(totals)} scored{middle}{next(reasons, '')}"
 
 
-def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[Part]) -> bytes:
+def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Parts) -> bytes:
     """The answer about estimators, or a table of the runs, and how many are certified."""
     certified = sum(row.certified for row in rows)
     count = Conclusion([f"{certified} of {len(rows)} runs CERTIFIED"], certified == len(rows))

@@ -23,7 +23,7 @@ from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.topic_discovery import topic_types
 from lie_rigid_body.report import certificates
 from lie_rigid_body.report.outputs import emit, require_outputs
-from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
+from lie_rigid_body.report.overview import Verdict, Verdicts, as_json, as_table, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import ResidualsOverTime, recorded_segments
 from lie_rigid_body.system import console
 from lie_rigid_body.system.bounded_input import real
@@ -120,7 +120,7 @@ def _refuse_proof(given: argparse.Namespace) -> None:
         )
 
 
-def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
+def _answer(given: argparse.Namespace, verdicts: Verdicts) -> int:
     """Answer with a table, and the largest exit status that one of the verdicts alone would have."""
     for verdict in verdicts:
         if verdict.reason:

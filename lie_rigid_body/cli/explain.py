@@ -16,7 +16,7 @@ from lie_rigid_body.foundation.wording import numerals
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion import Description
-    from lie_rigid_body.report.answer import Part
+    from lie_rigid_body.report.answer import Part, Parts
     from lie_rigid_body.scenario import Scenario
 
 _TOPS: Final = {
@@ -147,7 +147,7 @@ def main(given: argparse.Namespace) -> int:
     )
     if path := scenario.path():
         told = {"knots": len(path), "duration_s": path.last_ns / NS, "rms_acceleration_m_s2": path.rms_acceleration()}
-        parts: list[Part] = [Sentences([_PATH.format(**told)])]
+        parts: Parts = [Sentences([_PATH.format(**told)])]
         data: dict[str, Any] = {"path": told}
     else:
         description = describe(scenario.body(), scenario.start())
@@ -161,7 +161,7 @@ def main(given: argparse.Namespace) -> int:
     )
 
 
-def _parts(scenario: Scenario, description: Description) -> list[Part]:
+def _parts(scenario: Scenario, description: Description) -> Parts:
     """Answer about a scenario and its motion."""
     from lie_rigid_body.report.answer import Sentences, Table
 
@@ -180,7 +180,7 @@ def _parts(scenario: Scenario, description: Description) -> list[Part]:
     ]
 
 
-def _other_parts(scenario: Scenario) -> list[Part]:
+def _other_parts(scenario: Scenario) -> Parts:
     """Tables of kicks, mass centre and sensors, where there are some, and what has no effect."""
     from lie_rigid_body.report.answer import Sentences, Table
     from lie_rigid_body.scenario.facts import beyond_rotation

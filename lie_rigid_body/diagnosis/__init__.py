@@ -4,13 +4,15 @@ A filter is run on readings of perfect sensors. Where it errs, its readings and 
 and the repair that makes the error vanish names the mistake.
 
 - `course`: the motions, and what sensors read of them;
-- `repairs`: changes of the readings, and runs with them; those of the estimate are `lie_rigid_body.evaluation.causes`;
-- `search`: which repairs are tried, and the one rule by which they are chosen;
-- `probes`: what the filter can do, with one thing at a time in its way;
-- `examination`: all of it in order, and what is said.
+- `repairs`: changes of the readings; `outputs`: those of the estimate; `answers`: what a filter answers with them;
+- `search`: which repairs are tried; `trials`: the one rule by which they are chosen;
+- `situations`: where the filter is right, if no repair explains its error;
+- `probes`: what the filter can do, with one thing at a time in its way; `probing`: how a probe is run;
+- `examination`: all of it in order; `filter_diagnosis`: what is said.
 """
 
-from lie_rigid_body.diagnosis.examination import FilterDiagnosis, Mistake, Note, diagnose
-from lie_rigid_body.diagnosis.probes import Probe
+from lie_rigid_body.diagnosis.examination import diagnose
+from lie_rigid_body.diagnosis.filter_diagnosis import FilterDiagnosis, Mistake, Note
+from lie_rigid_body.diagnosis.probing import Probe
 
 __all__ = ["FilterDiagnosis", "Mistake", "Note", "Probe", "diagnose"]

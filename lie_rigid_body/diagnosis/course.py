@@ -25,7 +25,6 @@ from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import read_parameters
-from lie_rigid_body.sensors import GRADES
 from lie_rigid_body.sensors.noise import NoiseSource, harmonics
 
 GYRO_KINDS: Final = ("integrated", "instantaneous")
@@ -365,6 +364,4 @@ def noise_of(given: Mapping[str, object]) -> dict[str, float] | None:
     if not said:
         return None
     read = read_parameters(said)
-    grade = GRADES.get(str(read.get("sensor_grade")), {})
-    every = {**dict.fromkeys(NOISE, 0.0), **grade, **{name: read[name] for name in said}}
-    return {name: cast("float", every[name]) for name in NOISE}
+    return {name: cast("float", read[name]) for name in NOISE}

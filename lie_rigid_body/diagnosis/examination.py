@@ -4,26 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Final, cast
 
 import numpy as np
 
+from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import NOISE, TINY, courses_of, noise_of
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, Probe, told, with_unit
-from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER, Answer, Job
-from lie_rigid_body.diagnosis.search import MAX_REST, NEAR, Search, Trial, plain
+from lie_rigid_body.diagnosis.filter_diagnosis import ErrorOverTime, FilterDiagnosis, Mistake, Note, degrees
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES
+from lie_rigid_body.diagnosis.probing import Probe, in_degrees, told
+from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER
+from lie_rigid_body.diagnosis.search import MAX_REST, Search
 from lie_rigid_body.diagnosis.situations import Situation, common, situations
+from lie_rigid_body.diagnosis.trials import NEAR, Trial
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.causes import or_else
 from lie_rigid_body.evaluation.matched import error_of
-from lie_rigid_body.foundation.arrays import Array, whole_number
-from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.showing import Shown
-from lie_rigid_body.foundation.wording import MAX_LINE, counted, shortened
+from lie_rigid_body.foundation.arrays import whole_number
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.system.portable import MAX_PROCESSES, cores
@@ -49,158 +50,6 @@ _FREE_FALL: Final = (
 """First sentence about a scenario in which bodies have no weight."""
 TOLD: Final = float(np.radians(1e-3))
 """Least difference between the errors of two kinds of gyro that a note tells, rad."""
-
-
-@short_dataclass
-class Mistake:
-    """A mistake of a filter, named after the repair that undoes it.
-
-    Attributes
-    ----------
-    code : str
-    message : str
-        What is wrong, and what the repair leaves.
-    repair : str
-        The repair in a few characters, such as ``y x -z``.
-    rms_deg_before, rms_deg_after : float
-        RMS of the total error before this repair, with those before it, and after, degrees.
-    or_else : tuple of str
-        Codes of mistakes whose repairs do as well on these runs.
-    """
-
-    code: str
-    message: str
-    repair: str
-    rms_deg_before: float
-    rms_deg_after: float
-    or_else: tuple[str, ...] = ()
-
-
-@short_dataclass
-class Note:
-    """Something about a filter that is no mistake.
-
-    Attributes
-    ----------
-    code : str
-    message : str
-    value : float or str
-    """
-
-    code: str
-    message: str
-    value: float | str
-
-
-@short_dataclass(eq=False)
-class ErrorOverTime:
-    """The total error in the first course, after a repair and those before it.
-
-    Attributes
-    ----------
-    code : str
-        The mistake that is repaired last, or nothing.
-    t_s, error_deg : ndarray, shape (N,)
-        Times in s, errors in degrees.
-    rms_deg : float
-        RMS over the last two thirds of all courses, degrees.
-    """
-
-    code: str
-    t_s: Array
-    error_deg: Array
-    rms_deg: float
-
-
-@dataclass(frozen=True)
-class FilterDiagnosis(Shown):
-    """Diagnosis of a filter: its mistakes, and the probes of what it can do.
-
-    Attributes
-    ----------
-    mistakes : tuple of Mistake
-    probes : tuple of Probe
-    notes : tuple of Note
-    filter_runs : int
-        How often the filter was run.
-    rms_deg, floor_deg : float
-        RMS of the total error without a repair, and the one below which nothing is looked for, degrees.
-    first : tuple of str
-        What is said before all else: that the filter is unstable, or does not hear a sensor.
-    situations : tuple of Situation
-        Where the filter is right and where not, if no repair explains its error.
-    remarks : tuple of str
-        About the diagnosis itself, in sentences.
-    errors : tuple of ErrorOverTime
-        Before and after each named repair.
-    interrupted : bool
-        Whether it was ended before its end.
-    updates : int
-        How many readings of the gyro the filter was given in all runs.
-    """
-
-    mistakes: tuple[Mistake, ...]
-    probes: tuple[Probe, ...]
-    notes: tuple[Note, ...]
-    filter_runs: int
-    rms_deg: float
-    floor_deg: float
-    first: tuple[str, ...] = ()
-    situations: tuple[Situation, ...] = ()
-    remarks: tuple[str, ...] = ()
-    errors: tuple[ErrorOverTime, ...] = ()
-    interrupted: bool = False
-    updates: int = 0
-
-    def __repr__(self) -> str:
-        """The verdict; no call, as only `diagnose` makes one."""
-        return shortened(f"<FilterDiagnosis: {' '.join(self.sentences)}>", MAX_LINE)
-
-    @property
-    def passed(self) -> bool:
-        """Whether there is neither a mistake nor a probe that failed."""
-        return not self.mistakes and not self.failed
-
-    @property
-    def failed(self) -> list[Probe]:
-        """Probes that failed."""
-        return [probe for probe in self.probes if probe.passed is False]
-
-    @property
-    def sentences(self) -> list[str]:
-        """Headline for a person: the mistakes, or that none is named, and each probe that failed."""
-        said = [mistake.message for mistake in self.mistakes]
-        if not said:
-            judged = sum(probe.passed is not None for probe in self.probes)
-            names = (
-                f"{len(self.failed)} of {counted(judged, 'probe')}: {', '.join(probe.code for probe in self.failed)}"
-            )
-            fails = f", but fails {names}." if self.failed else f", and passes {counted(judged, 'probe')}."
-            right = f"Follows perfect sensors ({degrees(self.rms_deg)}){fails}"
-            wrong = f"Nothing {'so far' if self.interrupted else 'that was tried'} removes the error of "
-            is_right = any(probe.code == "follows" and probe.passed for probe in self.probes)
-            said = [right if is_right else f"{wrong}{degrees(self.rms_deg)}."]
-        return [*self.first, *said, *(f"{probe.code}: {probe.message}." for probe in self.failed)]
-
-    def to_dict(self) -> dict[str, Any]:
-        """The entries of ``diagnose --json``."""
-        return {
-            "mistakes": [{**asdict(mistake), "or_else": list(mistake.or_else)} for mistake in self.mistakes],
-            "probes": [asdict(probe) for probe in self.probes],
-            "notes": [asdict(note) for note in self.notes],
-            "situations": [{"name": each.name, "rms_deg": each.rms_deg} for each in self.situations],
-            "filter_runs": self.filter_runs,
-            "passed": self.passed,
-        }
-
-    def __str__(self) -> str:
-        """Headline for a person; `lie_rigid_body.report.filters` makes the tables."""
-        return "\n".join(self.sentences)
-
-
-def degrees(value: float) -> str:
-    """An angle in degrees for the eye: what is less than 0.005 is 0.00."""
-    return f"{value:.2f}°" if value < 10.0 or not np.isfinite(value) else f"{value:.1f}°"
 
 
 def diagnose(
@@ -270,7 +119,7 @@ def diagnose(
             crew.each if crew else partial(each_alone, cast("Estimator", estimate)),
             courses,
             most,
-            progress or (lambda runs: None),
+            progress,
             noise,
         )
         remarks = [f"Each run of a node takes seconds: it is not probed for {', '.join(left_out)}."] * is_node
@@ -289,12 +138,12 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     try:
         search.run()
         errors += _over_time(search)
-        if not search.choice() and plain(search.trials).error > search.floor and not search.is_by_chance:
+        if not search.choice() and search.unrepaired.error > search.floor and not search.is_by_chance:
             found += situations(search)
-        probes += told(search, (row for row in PROBES if row.code not in left_out))
+        probes += told(search, [row for row in PROBES if row.code not in left_out])
         notes += (
             Note(each.code, f"{each.message}.", each.value)
-            for each in told(search, (row for row in NOTES if row.code not in left_out))
+            for each in told(search, [row for row in NOTES if row.code not in left_out])
             if each.passed is False and each.value is not None
         )
     except KeyboardInterrupt:
@@ -302,77 +151,80 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
             raise
         interrupted = True
     mistakes = tuple(_mistakes(search, errors))
-    if search.is_rest_cut:
-        remarks = [*remarks, f"Repairs were tried after less than the {search.settles_s:.0f} s of rest that it needs."]
-    if search.is_cut:
-        remarks = [*remarks, "Not all pairs of repairs were tried: the budget of runs and readings was spent."]
-    if mistakes and search.chosen.error > search.floor:
-        remarks = [
-            *remarks,
-            f"The {degrees(float(np.degrees(search.chosen.error)))} that remain have no name yet: correct what is "
-            "named, and diagnose again.",
-        ]
     return FilterDiagnosis(
         mistakes,
         tuple(probes),
         (*_notes(search), *notes),
         search.runs,
-        errors[0].rms_deg if errors else float(np.degrees(plain(search.trials).error)),
+        errors[0].rms_deg if errors else search.unrepaired.error_deg,
         float(np.degrees(search.floor)),
         tuple(_headline(search, found, probes)),
         tuple(found),
-        tuple(remarks),
+        (*remarks, *_remarks(search, mistakes)),
         tuple(errors),
         interrupted,
         search.updates,
     )
 
 
-def _headline(search: Search, found: Sequence[Situation], probes: Sequence[Probe]) -> Iterator[str]:
+def _remarks(search: Search, mistakes: Sequence[Mistake]) -> Iterator[str]:
+    """Sentences about what was left untried, and what remains without a name."""
+    if search.is_rest_cut:
+        yield f"Repairs were tried after less than the {search.settles_s:.0f} s of rest that it needs."
+    if search.is_cut:
+        yield "Not all pairs of repairs were tried: the budget of runs and readings was spent."
+    if mistakes and search.chosen.error > search.floor:
+        yield (
+            f"The {degrees(search.chosen.error_deg)} that remain have no name yet: correct what is named, and diagnose "
+            "again."
+        )
+
+
+def _headline(search: Search, found: list[Situation], probes: Sequence[Probe]) -> Iterator[str]:
     """Sentences that stand first: growing errors, sensors that are not heard, what helps most, situations."""
+    unrepaired = search.unrepaired
     if search.growth:
         which = f": the correction by the {search.unstable_by} has the wrong sign" if search.unstable_by else ""
         yield (
             f"It is unstable: errors of {TINY * search.course.turn:.1g} of the readings change the estimate by "
-            f"{with_unit(float(np.degrees(search.growth)))}, and the change grows{which}."
+            f"{in_degrees(search.growth)}, and the change grows{which}."
         )
-    if search.deaf and (plain(search.trials).error > search.floor or any(probe.passed is False for probe in probes)):
+    if search.deaf and (unrepaired.error > search.floor or any(probe.passed is False for probe in probes)):
         yield _deaf(search)
     if search.is_by_chance:
-        yield f"Two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for."
+        yield f"Two equal runs differ by {in_degrees(search.scatter)}: no repair is looked for."
     if found and (helpful := search.most_helpful):
-        before = degrees(float(np.degrees(plain(search.trials).error)))
-        repair = helpful.mistakes[0]
+        [repair] = helpful.mistakes
         yield (
-            f"Most helps {repair.code} ({repair.text}), which leaves {degrees(float(np.degrees(helpful.error)))} of "
-            f"{before}: it explains a part alone."
+            f"Most helps {repair.code} ({repair.text}), which leaves {degrees(helpful.error_deg)} of "
+            f"{degrees(unrepaired.error_deg)}: it explains a part alone."
         )
-    if said := common(list(found), float(np.degrees(search.floor))) if found else "":
+    if found and (said := common(found, float(np.degrees(search.floor)))):
         yield said
 
 
 def _deaf(search: Search) -> str:
     """Sentence about the sensors that change nothing."""
-    sensors = " and the ".join(filter(None, (", the ".join(search.deaf[:-1]), search.deaf[-1])))
-    verb = "changes" if len(search.deaf) == 1 else "change"
+    sensors = " and the ".join(search.deaf).replace(" and the ", ", the ", len(search.deaf) - 2)
+    change = f"The {sensors} change{'s' * (len(search.deaf) == 1)} nothing after the first second"
     if "magnetometer" in search.deaf and not search.is_level:
-        return f"The {sensors} {verb} nothing after the first second: the magnetometer sets the first heading alone."
-    level = ": its heading is free, and its vertical alone is judged" * search.is_level
-    return f"The {sensors} {verb} nothing after the first second{level}."
+        return f"{change}: the magnetometer sets the first heading alone."
+    return f"{change}{': its heading is free, and its vertical alone is judged' * search.is_level}."
 
 
 def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     """The errors of the filter as it is, and after each of the repairs that are named."""
     chosen = search.chosen
-    courses = [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
+    courses = [course.of_scenario(gyro_rate=chosen.kind) for course in search.courses]
+    joint = (JOINT,) * (JOINT in chosen.repairs)
     ordered = search.in_order(chosen)
-    for count, code in enumerate(("", *(each.code for each in ordered))):
-        repairs = (*ordered[:count], *(JOINT,) * (JOINT in chosen.repairs))
-        answers = search.ask([Job(course, repairs) for course in courses])
+    for count in range(len(ordered) + 1):
+        repairs = ordered[:count]
+        answers = search.ask((course, (*repairs, *joint)) for course in courses)
         tracks = [answer.track for answer in answers if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
             yield ErrorOverTime(
-                code,
+                repairs[-1].code if repairs else "",
                 tracks[0].stamps_ns / 1e9,
                 np.degrees(tracks[0].error().total),
                 float(np.degrees(error_of([track.fraction() for track in tracks]))),
@@ -381,12 +233,14 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
 
 def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     """The mistakes that are named; what is left after each of several is known where it was asked of the filter."""
-    named, *others = search.choice() or [plain(search.trials)]
-    known = {code: float(np.degrees(named.error)) for code in named.codes[-1:]} | {e.code: e.rms_deg for e in errors}
-    before = known.get("", float(np.degrees(plain(search.trials).error)))
+    named, *others = search.choice() or [search.unrepaired]
+    known = dict.fromkeys(named.codes[-1:], named.error_deg) | {each.code: each.rms_deg for each in errors}
+    first = known.get("", search.unrepaired.error_deg)
+    before = first
     ordered = search.in_order(named)
-    first = before
     for place, found in enumerate(ordered):
+        if found.code == "gyro_scale":
+            continue
         after = known.get(found.code, before)
         instead = instead_of(named, others, found.code)
         doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
@@ -395,16 +249,7 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
             left = "Alone its repair does not help."
         elif before > HALVED * first and place:
             left = f"Both repairs together leave an error of {degrees(after)} instead of {degrees(first)}."
-        if found.code == "gyro_scale":
-            continue
-        yield Mistake(
-            found.code,
-            f"{found.fact}. {left}{doubt}",
-            found.text,
-            before,
-            after,
-            instead,
-        )
+        yield Mistake(found.code, f"{found.fact}. {left}{doubt}", found.text, before, after, instead)
         before = after
 
 
@@ -429,12 +274,11 @@ def _notes(search: Search) -> Iterator[Note]:
             longest,
         )
     if search.chatter:
-        value = float(np.degrees(search.chatter))
         yield Note(
             "chatters",
-            f"Its answer at rest moves, or two runs with nearly equal readings differ, by {with_unit(value)}. That "
-            "does not grow, as where each correction has a fixed length.",
-            value,
+            f"Its answer at rest moves, or two runs with nearly equal readings differ, by "
+            f"{in_degrees(search.chatter)}. That does not grow, as where each correction has a fixed length.",
+            float(np.degrees(search.chatter)),
         )
     if search.needs_noise:
         yield Note(
@@ -444,19 +288,18 @@ def _notes(search: Search) -> Iterator[Note]:
         )
     for repair in chosen.mistakes:
         if repair.code == "gyro_scale":
-            value = 1.0 / float(repair.text.split()[-1])
+            value = 1.0 / float(repair.constants[0])
             yield Note("gyro_scale", f"It counts the gyro {value:.5g} times.", value)
     alike = [trial for trial in search.trials if trial.codes == chosen.codes]
     without = min((t.error for t in alike if JOINT not in t.repairs), default=0.0)
     if JOINT in chosen.repairs and without > max(search.floor, NEAR * chosen.error):
-        value, left = np.degrees([without, chosen.error]).tolist()
-        ahead = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
-        yield Note(JOINT.code, f"{JOINT.fact}: {ahead}", value)
+        ahead = f"its estimate is ahead by up to a sample, {in_degrees(without)}"
+        left = f"{JOINT.deed} {degrees(chosen.error_deg)} are left."
+        yield Note(JOINT.code, f"{JOINT.fact}: {ahead}. {left}", float(np.degrees(without)))
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
         yield Note(
             "gyro_kind",
-            f"The filter expects {chosen.kind} rates: with {other.kind} ones its error is "
-            f"{with_unit(float(np.degrees(other.error)))}.",
+            f"The filter expects {chosen.kind} rates: with {other.kind} ones its error is {in_degrees(other.error)}.",
             chosen.kind,
         )

@@ -2,173 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
-from lie_rigid_body.diagnosis.repairs import Answer, Job
-from lie_rigid_body.diagnosis.search import GRADE_OF_NOISE, NEAR, UNJUDGED, Search
-from lie_rigid_body.evaluation import CramerRaoBound, ExactTruth, evaluate
-from lie_rigid_body.evaluation.attitudes import error_vectors
-from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
-from lie_rigid_body.evaluation.matched import Matched, error_of
-from lie_rigid_body.evaluation.remarks import NOT_UNIT
+from lie_rigid_body.diagnosis.noise_probes import covariance, first_given, noise, of_single_sets
+from lie_rigid_body.diagnosis.probing import (
+    Courses,
+    ProbeRow,
+    Probing,
+    in_degrees,
+    limited,
+    tolerated,
+    worst,
+)
+from lie_rigid_body.diagnosis.search import UNJUDGED, Search
+from lie_rigid_body.diagnosis.trials import NEAR
+from lie_rigid_body.evaluation.remarks import NOT_UNIT, Turns
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.errors import FilterError, InputError
-from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
-from lie_rigid_body.runs import simulate
 
 GYRO_BIAS: Final = float(np.radians(1.0))
-"""Constant error of the gyro, rad/s."""
+"""Size of a constant error of the gyro, rad/s."""
+BIAS: Final = GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])
+"""That error on each axis, rad/s."""
 VECTOR_ERROR: Final = 0.05
 """Constant error of the accelerometer and of the magnetometer, share of the vector."""
 BIAS_PEAK: Final = (0.5 + 0.5 * 5.0**0.5) ** 0.5
 """Largest response of a steady Kalman filter of an angle and a gyro bias, (√2 s + 1) / (s² + √2 s + 1). It enlarges an
-error of the vectors that turns with the body by no more."""
+error of the vectors that rotates with the body by no more."""
 SLOW_RATE: Final = 0.1
 """Body rate of a slow motion with gaps, rad/s."""
 SLOW_RATES: Final = (0.1, 0.05, 0.02)
 """Body rates of slow motions, rad/s."""
+MINUTE: Final = 60.0 - REST
+"""Length of a motion that ends a minute after the course begins to count, s."""
 FIELDS_T: Final = (25e-6, 65e-6)
 """Sizes of the weakest and of the strongest field of the Earth, T."""
 DIPS: Final = (0.0, 75.0, -75.0)
 """Dips of a field at the equator and near the poles, degrees."""
 LEARNING_S: Final = 60.0
-"""Least rest in which a filter learns the bias of the gyro before it is turned through eight headings, s."""
-WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
-"""Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
-_RESTS: Final = (0.0, REST, 3.0 * REST)
+"""Least rest in which a filter learns the bias of the gyro before it is rotated through eight headings, s."""
+RESTS: Final = (0.0, REST, 3.0 * REST)
 """Rests before the motion that are compared, s."""
-SEEDS: Final = 12
-"""Short runs with noise by which a covariance is judged, and as many others. Of twenty right covariances one is called
-inconsistent by chance, and two of these verdicts are not."""
-SHORT_S: Final = 5.0
-"""Length of the motion of a short run with noise, s."""
-JUDGED: Final = 20
-"""Number of samples of a short run by which a covariance is judged."""
-
-
 SAME: Final = 1e-9
 """Largest difference of two estimates, rad, that count as the same."""
-Judged = tuple[bool | None, str, float]
-"""Whether a probe is passed, None where it is not judged; what is said of it, and the number that was judged."""
 
 
-@short_dataclass
-class Probe:
-    """Whether a filter has an ability.
-
-    Attributes
-    ----------
-    code : str
-    passed : bool or None
-        None where it is not judged.
-    message : str
-    value : float or None
-        The number that was judged: an error in degrees, if the message tells nothing else.
-    """
-
-    code: str
-    passed: bool | None
-    message: str
-    value: float | None = None
-
-
-class ProbeRow(NamedTuple):
-    """A probe: its code, the courses that are run, and what is judged; without courses it is not told.
-
-    Attributes
-    ----------
-    code : str
-    courses : callable
-    judge : callable
-    needs_error : bool
-        Whether it is judged beside the error of the filter, and says nothing where that is above `UNJUDGED`.
-    """
-
-    code: str
-    courses: Callable[[Search], Sequence[Course]]
-    judge: Callable[[Search, Sequence[Answer]], Judged]
-    needs_error: bool = True
-
-    def told(self, search: Search, answers: Sequence[Answer | FilterError]) -> Probe:
-        """Result of the probe by the filter's answers; a filter that raises an error fails the probe."""
-        try:
-            for each in answers:
-                if isinstance(each, FilterError):
-                    raise each
-            return Probe(self.code, *self.judge(search, [each for each in answers if isinstance(each, Answer)]))
-        except InputError as error:
-            return Probe(self.code, passed=False, message=str(error).removeprefix(f"{self.code}: "))
-
-
-def with_unit(value: float, unit: str = "°") -> str:
-    """A number with three digits and its unit; degrees below a thousandth are 0."""
-    told = 0.0 if unit == "°" and value < 1e-3 else value
-    return f"{told:.0f}{unit}" if told >= 100.0 else f"{told:.3g}{unit}"
-
-
-def limited(said: str, value: float, most: float, beside: str = "", unit: str = "°") -> Judged:
-    """Judge a value by the largest one that is allowed, both in rad where they are told in degrees."""
-    told, limit = np.degrees(np.minimum([value, most], np.pi)).tolist() if unit == "°" else (float(value), most)
-    return bool(value <= most), f"{said} {with_unit(told, unit)} (limit {with_unit(limit, unit)}){beside}", told
-
-
-def worst(answers: Sequence[Answer], begin: float = 1.0 / 3.0) -> float:
-    """Largest RMS error of several runs after a share of their time, rad."""
-    return max(answer.error(begin) for answer in answers)
-
-
-def _limit(search: Search, least: float = 0.0) -> float:
-    """The error up to which a probe with something in the way is passed, rad, and at least so much."""
-    return max(search.floor, least, NEAR * search.chosen.error)
-
-
-def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
+def _follows(search: Search) -> Probing:
     """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
-    what = "its mistakes repaired" if search.chosen.codes else "perfect sensors"
+    [answer] = yield [search.course]
+    chosen = search.chosen
+    what = "its mistakes repaired" if chosen.codes else "perfect sensors"
     settled = f"; it needs {search.settles_s:.0f} s at rest to settle" * (search.settles_s > 0.0)
-    passed, said, value = limited(f"with {what} its error is", search.chosen.error, search.floor, settled)
-    if passed or search.chosen.codes or search.chosen.error <= NEAR * search.chatter:
+    passed, said, value = limited(f"with {what} its error is", chosen.error, search.floor, settled)
+    if passed or chosen.codes or chosen.error <= NEAR * search.chatter:
         return True, said, value
-    return False, f"{said}{_without_repair(search, answers[0].track)}", value
-
-
-def _without_repair(search: Search, track: Matched) -> str:
-    """Sentences about an error that no repair removes."""
     if search.is_by_chance:
-        return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
-    known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
-    score = evaluate(track.stamps_ns, track.attitude_xyzw, known)
-    told = [f"{each.code}: {each.message}" for each in score.findings if each.code in WITHOUT_REPAIR]
-    return "".join(f"; {each}" for each in told)
-
-
-def _half_turns(search: Search) -> list[Course]:
-    """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
-    course = search.course
-    start, midst = course.at(np.array([0, course.begin_ns + round(5e8 * course.counted_s)]))
-    starts = quaternion.multiply(quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst)), start)
-    return [search.settled(course.of_scenario(initial_attitude_xyzw=each)) for each in starts.tolist()]
-
-
-def _starts(search: Search) -> list[Course]:
-    """The ordinary motion without a rest to settle, and those that begin turned by each rotation of a cube."""
-    course = replace(search.course, settle_s=0.0)
-    start = scipy.spatial.transform.Rotation.from_quat(course.scenario.start().attitude_xyzw)
-    return [course, *(_at(course, (start * turn).as_quat()) for turn in _cube())]
-
-
-def _cube() -> Any:
-    """The 24 rotations of a cube."""
-    return scipy.spatial.transform.Rotation.create_group("O")
+        return False, f"{said}; two equal runs differ by {in_degrees(search.scatter)}: no repair is looked for", value
+    turns = Turns(answer.track)
+    remark = turns.stuck() or turns.mixed() or turns.other()
+    return False, f"{said}; {remark.code}: {remark.message}" if remark else said, value
 
 
 def _at(course: Course, attitude_xyzw: Array, **parameters: object) -> Course:
@@ -176,52 +76,82 @@ def _at(course: Course, attitude_xyzw: Array, **parameters: object) -> Course:
     return course.of_scenario(initial_attitude_xyzw=attitude_xyzw.tolist(), **parameters)
 
 
-def _cube_at_rest(search: Search) -> list[Course]:
+def _half_turn(search: Search) -> Courses:
+    """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
+    course = search.course
+    start, midst = course.at(np.array([0, course.begin_ns + round(5e8 * course.counted_s)]))
+    starts = quaternion.multiply(quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst)), start)
+    return [search.settled(_at(course, each)) for each in starts]
+
+
+def _cube() -> Any:
+    """The 24 rotations of a cube."""
+    return scipy.spatial.transform.Rotation.create_group("O")
+
+
+def _exact_starts(search: Search) -> Probing:
     """Two seconds at rest in each rotation of a cube, without a declination, and with readings without round-off."""
     field = [0.0, float(np.hypot(*search.course.field[:2])), search.course.field[2]]
     rest = replace(search.course, rest_s=0.0, settle_s=0.0, moving_s=2.0, is_rounded=True)
-    return [_at(rest, turn.as_quat(), initial_body_rate=[0.0] * 3, magnetic_field=field) for turn in _cube()]
-
-
-def _cube_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+    answers = yield [
+        _at(rest, rotation.as_quat(), initial_body_rate=[0.0] * 3, magnetic_field=field) for rotation in _cube()
+    ]
     failed = sum(answer.broken.size > 0 for answer in answers)
-    return limited(
-        "of 24 rotations of a cube, at rest and read without round-off, without an attitude:", failed, 0.0, "", ""
-    )
+    what = "of 24 rotations of a cube, at rest and read without round-off, without an attitude:"
+    return limited(what, failed, 0.0, unit="")
 
 
-def _first_judged(search: Search, answers: Sequence[Answer]) -> Judged:
+def _starts(search: Search) -> Courses:
+    """The ordinary motion without a rest to settle, and those that begin rotated by each rotation of a cube."""
+    course = replace(search.course, settle_s=0.0)
+    start = scipy.spatial.transform.Rotation.from_quat(course.scenario.start().attitude_xyzw)
+    return [course, *(_at(course, (start * rotation).as_quat()) for rotation in _cube())]
+
+
+def _converges(search: Search) -> Probing:
+    plain, *others = yield _starts(search)
+    most = max(search.floor, NEAR * plain.error(2.0 / 3.0))
+    return limited("from the worst of 24 first attitudes its error at the end is", worst(others, 2.0 / 3.0), most)
+
+
+def _first_attitude(search: Search) -> Probing:
     """Largest error of the first answer; where it is, and how long until the filter errs as little as later on."""
-    starts = answers[1:]
-    limit = _limit(search)
-    off = [answer for answer in starts if answer.track.error().total[0] > limit]
-    firsts = [float(np.degrees(answer.track.error().total[0])) for answer in off or starts]
-    lasts = [answer.t_s[answer.track.error().total > limit].max(initial=0.0) for answer in starts]
-    is_down = all(quaternion.to_matrix(answer.track.truth_xyzw[0])[2, 2] < 0.0 for answer in off)
-    stays = f"{max(lasts):.3g} s" if max(lasts) < starts[0].t_s[-1] else f"more than {max(lasts):.3g} s"
+    _, *starts = yield _starts(search)
+    errors = [answer.track.error().total for answer in starts]
+    limit = tolerated(search)
+    off = [error[0] for error in errors if error[0] > limit]
+    if not off:
+        return True, "", 0.0
+    last = max(answer.t_s[error > limit].max(initial=0.0) for answer, error in zip(starts, errors, strict=True))
+    is_down = all(
+        error[0] <= limit or quaternion.to_matrix(answer.track.truth_xyzw[0])[2, 2] < 0.0
+        for answer, error in zip(starts, errors, strict=True)
+    )
     return limited(
         f"Of {len(starts)} first answers {len(off)}{', all with z down,' * is_down} are off, by "
-        f"{with_unit(float(np.median(firsts)))} in the median, for {stays} at the longest, and at most by",
-        float(np.radians(max(firsts))),
+        f"{in_degrees(float(np.median(off)))} in the median, for {'more than ' * bool(last >= starts[0].t_s[-1])}"
+        f"{last:.3g} s at the longest, and at most by",
+        max(off),
         limit,
     )
 
 
-def _turned_fields(search: Search) -> list[Course]:
+def _other_fields(search: Search) -> Courses:
     """The ordinary course in fields of other sizes."""
-    size = np.linalg.norm(search.course.field)
-    return [
-        search.settled(search.course.of_scenario(magnetic_field=(each / size * search.course.field).tolist()))
-        for each in FIELDS_T
-    ]
+    field = search.course.field
+    return _in_fields(search, np.outer(FIELDS_T, field / np.linalg.norm(field)))
 
 
-def _dipping_fields(search: Search) -> list[Course]:
+def _dipping_fields(search: Search) -> Courses:
     """The ordinary course in fields of the same size and of other dips."""
     field = search.course.field
     level = field[:2] / (np.hypot(*field[:2]) or 1.0)
     dips = np.radians(DIPS)
-    fields = np.linalg.norm(field) * np.column_stack([np.outer(np.cos(dips), level), -np.sin(dips)])
+    return _in_fields(search, np.linalg.norm(field) * np.column_stack([np.outer(np.cos(dips), level), -np.sin(dips)]))
+
+
+def _in_fields(search: Search, fields: Array) -> Courses:
+    """The ordinary course in other fields, shape (n, 3), T."""
     return [search.settled(search.course.of_scenario(magnetic_field=each)) for each in fields.tolist()]
 
 
@@ -232,72 +162,37 @@ def _at_rate(search: Search, rate: float, moving_s: float) -> Course:
     return search.settled(replace(slow, moving_s=moving_s))
 
 
-def _headings(search: Search) -> list[Course]:
-    """A nearly level body that is turned through eight headings, with a bias of the gyro that is learnt at rest."""
-    if not search.course.ramp_s:
-        return []
+def _headings(search: Search) -> Probing:
+    """A nearly level body that is rotated through eight headings, with a bias of the gyro that is learnt at rest."""
     level = quaternion.exp(np.radians([3.0, -2.0, 10.0]))
     scenario = _at(search.course, level).scenario
-    course = Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search)[0].off)
-    if search.chosen.error > search.floor or any(repair.change for repair in search.chosen.mistakes):
-        return [course]
-    return [max(course, search.settled(course, course.settle_s), key=lambda each: each.settle_s)]
-
-
-def _headings_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    errors = answers[0].track.error().total
-    place = np.maximum(answers[0].t_s - REST, 0.0) / (TURN + HOLD)
-    late = place % 1.0 > (TURN + 0.5 * HOLD) / (TURN + HOLD)
-    held = [rms(errors[late & (place.astype(int) == number)]) for number in range(8)]
+    course: Course = Headings(scenario, settle_s=LEARNING_S + search.settles_s, off=_biased(search).off)
+    is_right = search.chosen.error <= search.floor and not any(each.change for each in search.chosen.mistakes)
+    if search.course.ramp_s and is_right:
+        course = max(course, search.settled(course, course.settle_s), key=lambda each: each.settle_s)
+    [answer] = yield [course] * bool(search.course.ramp_s)
+    errors = answer.track.error().total
+    before_end = answer.t_s - REST - (TURN + HOLD) * np.arange(1, 9)[:, np.newaxis]
+    held = [rms(errors[(each > -0.5 * HOLD) & (each < 0.0)]) for each in before_end]
     most = max(search.floor, min(4.0 * float(np.median(held)), UNJUDGED))
     return limited("in the worst of eight headings, each held for 30 s, its error is", max(held), most)
 
 
-def _of_bias(search: Search) -> list[Course]:
-    """The run with a bias of the gyro, of an estimate that tells one."""
-    return _biased(search) if search.trials[0].unrepaired[0].given.gyro_bias is not None else []
+def _biased(search: Search) -> Course:
+    """A minute with a gyro bias."""
+    return replace(search.course, moving_s=MINUTE, off=(("gyro", tuple(BIAS.tolist())),))
 
 
-def _bias_estimate_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    """The estimated bias beside the one put in, in the last quarter: sign, unit and size."""
-    told = answers[0].given.gyro_bias
-    bias = np.array(dict(_biased(search)[0].off)["gyro"])
-    last = np.mean(told[-len(told) // 4 :], axis=0)
-    ratio = float(last @ bias / (bias @ bias))
-    fault = ""
-    if norm(last - bias) > 0.5 * norm(bias):
-        is_along = norm(last - ratio * bias) <= 0.5 * norm(last)
-        unit = "in degrees a second" if is_along and 0.5 < abs(ratio) * np.pi / 180.0 < 1.5 else ""
-        sign = "with the opposite sign" if is_along and ratio < -0.5 else ""
-        stuck = "as it never moves" if np.ptp(told, axis=0).max() < 0.01 * norm(bias) else ""
-        fault = " and ".join(filter(None, (unit, sign, stuck))) or f"of another {'size' if is_along else 'direction'}"
-    said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much{', ' * bool(fault)}{fault}"
-    return not fault, said, ratio
+def _gyro_bias(search: Search) -> Probing:
+    """Error of the last quarter; its limit follows from the second, and from the rotation that the bias alone makes.
 
-
-def _biased(search: Search) -> list[Course]:
-    bias = tuple((GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])).tolist())
-    return [replace(search.course, moving_s=60.0 - REST, off=(("gyro", bias),))]
-
-
-def _cut(search: Search) -> list[Course]:
-    """A course on which the gyro has a bias, the same again, and its first half.
-
-    With perfect sensors smoothers and causal filters alike give the truth.
+    A twentieth of that is allowed: smoothers err at both ends, and more than in the second quarter.
     """
-    whole = replace(_biased(search)[0], moving_s=search.course.moving_s)
-    return [whole, whole, replace(whole, moving_s=0.5 * whole.moving_s)]
-
-
-def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    """Error of the last quarter; its limit follows from the second, and from the turn that the bias alone makes.
-
-    A twentieth of that turn is allowed: smoothers err at both ends, and more than in the second quarter.
-    """
-    second, last = (answers[0].error(begin, begin + 0.25) for begin in (0.25, 0.75))
-    turn = GYRO_BIAS * 52.5
-    most = max(search.floor, 0.05 * turn, min(1.5 * second, 0.5 * turn))
-    removed = last <= min(most, max(_limit(search), 0.1 * second))
+    [answer] = yield [_biased(search)]
+    second, last = (answer.error(begin, begin + 0.25) for begin in (0.25, 0.75))
+    drift = GYRO_BIAS * 52.5
+    most = max(search.floor, 0.05 * drift, min(1.5 * second, 0.5 * drift))
+    removed = last <= min(most, max(tolerated(search), 0.1 * second))
     return limited(
         "with a gyro off by 1°/s, in the last quarter of 60 s, its error is",
         last,
@@ -306,281 +201,187 @@ def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     )
 
 
-def _level(search: Search) -> float:
-    """Cosine of the dip of the magnetic field."""
-    return float(np.hypot(*search.course.field[:2]) / np.linalg.norm(search.course.field))
+def _bias_estimate(search: Search) -> Probing:
+    """The estimated bias beside the one put in, in the last quarter: sign, unit and size."""
+    [answer] = yield [_biased(search)] * (first_given(search).gyro_bias is not None)
+    told = answer.given.gyro_bias
+    last = np.mean(told[-len(told) // 4 :], axis=0)
+    ratio = float(last @ BIAS / GYRO_BIAS**2)
+    is_along = norm(last - ratio * BIAS) <= 0.5 * norm(last)
+    faults = {
+        "in degrees a second": is_along and 0.5 < abs(ratio) * GYRO_BIAS < 1.5,
+        "with the opposite sign": is_along and ratio < -0.5,
+        "as it never moves": np.ptp(told, axis=0).max() < 0.01 * GYRO_BIAS,
+    }
+    passed = bool(norm(last - BIAS) <= 0.5 * GYRO_BIAS)
+    fault = " and ".join(words for words, is_so in faults.items() if is_so)
+    fault = fault or f"of another {'size' if is_along else 'direction'}"
+    said = f"of a gyro bias of 1°/s its estimate is, after 60 s, {ratio:.3g} times as much"
+    return passed, said if passed else f"{said}, {fault}", ratio
 
 
-def _off(search: Search, name: str) -> list[Course]:
-    """Courses with a constant error of a vector along each axis; none for a field without a level part."""
-    size = VECTOR_ERROR * np.linalg.norm(readings(search.course).vectors[name][0])
-    errors = (size * np.eye(3)).tolist() if _level(search) > VECTOR_ERROR else []
-    return [replace(search.course, off=((name, tuple(error)),)) for error in errors]
-
-
-def _off_judged(search: Search, answers: Sequence[Answer], sensor: str) -> Judged:
-    return limited(
-        f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis its error is",
-        worst(answers),
-        max(BIAS_PEAK * float(np.arcsin(VECTOR_ERROR / _level(search))), _limit(search)),
-    )
-
-
-def _noisy(search: Search, seed: int = 1) -> Course:
-    """The ordinary course with white noise: that which the filter assumes, or else of tactical sensors."""
-    return replace(search.course.of_scenario(**(search.noise or GRADE_OF_NOISE)), seed=seed)
-
-
-def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    """Error with noise; its limit is that of TRIAD at the readings that are answered; the least possible is told."""
-    course = _noisy(search)
-    bound = simulate(course.scenario, duration=course.counted_s).cramer_rao_bound()
-    assert bound
-    least = CramerRaoBound.rms(bound.filtered[len(bound.filtered) // 3 :])
-    return limited(
-        f"with the noise of {_grade(search)} its error is",
-        answers[0].error(),
-        1.01 * _of_single_sets(search, course, answers[0]),
-        f"; the Cramér–Rao bound of filters is {with_unit(float(np.degrees(least)))} over many such runs",
-    )
-
-
-def _of_single_sets(search: Search, course: Course, answer: Answer) -> float:
-    """RMS error, rad, of TRIAD from each single set of readings that is answered, without the first third."""
-    stamps = answer.track.stamps_ns
-    read = readings(course)
-    held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
-    world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
-    body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
-    attitude = quaternion.from_matrix(world @ np.swapaxes(body, -1, -2))
-    single = Matched(read.t_ns, attitude, course, is_level=search.is_level)
-    answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
-    return error_of([single[answered[len(stamps) // 3 :]]])
-
-
-def _carried(search: Search) -> list[Course]:
+def _linear_acceleration(search: Search) -> Probing:
     """A carried body, for a minute: a filter that averages its accelerations needs some seconds."""
-    return [replace(search.course, is_carried=True, moving_s=60.0 - REST)]
-
-
-def _grade(search: Search) -> str:
-    return "the given sensors" if search.noise else "tactical sensors"
-
-
-def _axes(first: Array, second: Array) -> Array:
-    """The axes that two directions span (TRIAD), in columns, shape (..., 3, 3)."""
-    across = np.cross(first, second)
-    axes = np.stack([first, across, np.cross(first, across)], axis=-1)
-    return np.asarray(axes / np.linalg.norm(axes, axis=-2, keepdims=True))
-
-
-def _gaps(search: Search) -> list[Course]:
-    return [replace(_at_rate(search, SLOW_RATE, 60.0 - REST), gaps_s=(10.0, 20.0, 30.0))]
-
-
-def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    errors = answers[0].track.error().total
-    t_s = answers[0].t_s
-    last = error_of([answers[0].track[t_s >= 40.0]])
-    most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
-    passed, said, value = limited("after gaps of a second in a slow motion its error at the end is", last, most)
-    return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
-
-
-def _rests(search: Search) -> list[Course]:
-    """Rests of several lengths before the motion, of a filter that settles at once."""
-    if not search.course.ramp_s or (search.settles_s and not search.needs_rest):
-        return []
-    return [replace(search.course, settle_s=0.0, rest_s=rest_s) for rest_s in _RESTS]
-
-
-def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    without, plain, longer = (answer.error() for answer in answers)
+    course = replace(search.course, is_carried=True, moving_s=MINUTE)
+    [answer] = yield [course]
     return limited(
-        f"without a rest before the motion, or after {REST:g} s, its error is",
-        max(without, plain),
-        max(search.floor, NEAR * min(plain, longer)),
-        f"; after {3.0 * REST:g} s it is {with_unit(float(np.degrees(longer)))}",
+        "carried with 2 m/s² along each axis its error is",
+        answer.error(),
+        max(search.floor, 0.5 * of_single_sets(search, course, answer)),
+        "; the limit is half of what single sets of readings give",
     )
 
 
-def _broken(search: Search, answers: Sequence[Answer]) -> Judged:
-    broken = answers[0].broken
+def _off(search: Search, name: str, sensor: str) -> Probing:
+    """Courses with a constant error of a vector along each axis; none for a field without a level part."""
+    level = float(np.hypot(*search.course.field[:2]) / np.linalg.norm(search.course.field))  # cosine of the dip
+    size = VECTOR_ERROR * np.linalg.norm(readings(search.course).vectors[name][0])
+    errors = (size * np.eye(3)).tolist() if level > VECTOR_ERROR else []
+    answers = yield [replace(search.course, off=((name, tuple(error)),)) for error in errors]
+    most = max(BIAS_PEAK * float(np.arcsin(VECTOR_ERROR / level)), tolerated(search))
+    return limited(f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis its error is", worst(answers), most)
+
+
+def _dropouts(search: Search) -> Probing:
+    [answer] = yield [replace(_at_rate(search, SLOW_RATE, MINUTE), gaps_s=(10.0, 20.0, 30.0))]
+    errors = answer.track.error().total
+    last = rms(errors[answer.t_s >= 40.0])
+    most = max(search.floor, 0.5 * errors[answer.t_s >= 31.0].max(initial=0.0))
+    passed, said, value = limited("after gaps of a second in a slow motion its error at the end is", last, most)
+    return (False, f"{said}: attitudes are not finite", value) if answer.broken.size else (passed, said, value)
+
+
+def _long_run(search: Search) -> Probing:
+    [answer] = yield [search.long]
+    most = max(search.floor, NEAR * answer.error(0.1, 0.2))
+    return limited("in the last tenth of a run ten times as long its error is", answer.error(0.9), most)
+
+
+def _repeatable(search: Search) -> Probing:
+    first, second = yield _twice(search.course)
+    return limited(
+        "called twice it gives estimates that differ by",
+        first.track.max_difference(second.track),
+        SAME,
+        "; one that differs goes by a clock of its own, or by the order in which readings arrive",
+        " rad",
+    )
+
+
+def _twice(course: Course) -> Courses:
+    """Two courses with the same readings: the seed is that of a noise which they do not have."""
+    return [course, replace(course, seed=1)]
+
+
+def _causal(search: Search) -> Probing:
+    """A course on which the gyro has a bias, the same again, and its first half.
+
+    With perfect sensors smoothers and causal filters alike give the truth.
+    """
+    whole = replace(_biased(search), moving_s=search.course.moving_s)
+    first, again, half = yield [*_twice(whole), replace(whole, moving_s=0.5 * whole.moving_s)]
+    return limited(
+        "The estimate uses later readings, as smoothers do: without them it is another, by up to",
+        first.track.max_difference(half.track),
+        SAME if first.track.max_difference(again.track) <= SAME else np.inf,
+    )
+
+
+def _norms(search: Search) -> Probing:
+    [answer] = yield [search.course]
+    norms = quaternion.norm(np.delete(answer.given.attitude_xyzw, answer.broken, axis=0))
+    off = np.abs(norms**2 - 1.0).max(initial=0.0)
+    return limited("the square of the quaternions' norm is off 1 by", off, NOT_UNIT, unit="")
+
+
+def _finite(search: Search) -> Probing:
+    [answer] = yield [search.course]
+    broken = answer.broken
     first = f"; the first is sample {broken[0]}" if broken.size else ""
     return limited("attitudes that are NaN, infinite or zero:", broken.size, 0.0, first, "")
 
 
-def _norms_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    norms = quaternion.norm(np.delete(answers[0].given.attitude_xyzw, answers[0].broken, axis=0))
+def _needs_rest(search: Search) -> Probing:
+    """Rests of several lengths before the motion, of a filter that settles at once."""
+    settles = search.settles_s and not search.needs_rest
+    rests = RESTS if search.course.ramp_s and not settles else ()
+    without, plain, longer = yield [replace(search.course, settle_s=0.0, rest_s=rest_s) for rest_s in rests]
     return limited(
-        "the square of the quaternions' norm is off 1 by",
-        np.abs(norms**2 - 1.0).max(initial=0.0),
-        NOT_UNIT,
-        unit="",
+        f"without a rest before the motion, or after {REST:g} s, its error is",
+        max(without.error(), plain.error()),
+        max(search.floor, NEAR * min(plain.error(), longer.error())),
+        f"; after {3.0 * REST:g} s it is {in_degrees(longer.error())}",
     )
 
 
-def _noisy_runs(search: Search) -> list[Course]:
-    """Short runs for an estimate that has a covariance."""
-    has_one = search.trials[0].unrepaired[0].given.covariance is not None
-    return [replace(_noisy(search, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * has_one)]
-
-
-def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    """Whether a covariance is consistent, and what is wrong with it, by the rule of a campaign."""
-    count = min(len(answer.track.stamps_ns) for answer in answers)
-    axes = answers[0].given.covariance_axes
-    at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
-    tracks = [answer.track[at] for answer in answers]
-    estimate, truth = np.stack([(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks], axis=1)
-    errors = error_vectors(estimate, truth, axes)
-    covariance = np.stack([answer.given.rotation_covariance()[at] for answer in answers])
-    verdicts = [
-        ensemble_consistency(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)
-        for runs in (slice(SEEDS), slice(SEEDS, None))
-    ]
-    found = min(verdicts, key=lambda each: (not each.passed, each.cause in ("", "factor")))
-    passed = found.passed if search.noise else None
-    return passed, f"with the noise of {_grade(search)}: {found.message}", found.nees_mean
-
-
-def _alternating(search: Search) -> list[Course]:
+def _alternating(search: Search) -> Courses:
     """Steps of 2/3 and 4/3 of a period, as many of each, so that a filter which takes their median takes the period."""
     course = search.course
     odd = 0.5 * (1 - course.updates % 2) / course.rate
     return [replace(course, grid="alternating", moving_s=course.moving_s + odd)]
 
 
-def _within(said: str, begin: float = 1.0 / 3.0) -> Callable[[Search, Sequence[Answer]], Judged]:
-    """Judge the worst of several runs by the floor, or twice the error of the plain run."""
-    return lambda search, answers: limited(said, worst(answers, begin), _limit(search))
+def _within(said: str, courses: Callable[[Search], Courses], step: float = 0.0) -> Callable[[Search], Probing]:
+    """Judge the worst of several runs by the floor, twice the error of the plain run, or a share of a step's turn."""
+
+    def probing(search: Search) -> Probing:
+        answers = yield courses(search)
+        return limited(said, worst(answers), tolerated(search, step * search.course.turn))
+
+    return probing
 
 
 PROBES: Final = (
-    ProbeRow("follows", lambda s: [s.course], _follows, needs_error=False),
-    ProbeRow("half_turn", _half_turns, _within("through half turns from the world's axes its error is")),
-    ProbeRow("exact_starts", _cube_at_rest, _cube_judged, needs_error=False),
-    ProbeRow("other_fields", _turned_fields, _within("in fields of 25 and 65 µT its error is")),
-    ProbeRow("headings", _headings, _headings_judged, needs_error=False),
+    ProbeRow("follows", _follows, needs_error=False),
+    ProbeRow("half_turn", _within("through half turns from the world's axes its error is", _half_turn)),
+    ProbeRow("exact_starts", _exact_starts, needs_error=False),
+    ProbeRow("other_fields", _within("in fields of 25 and 65 µT its error is", _other_fields)),
+    ProbeRow("headings", _headings, needs_error=False),
     ProbeRow(
         "irregular_steps",
-        _alternating,
-        lambda s, o: limited(
-            "with steps of 2/3 and 4/3 of a period in turn its error is", worst(o), _limit(s, s.course.turn / 3.0)
-        ),
+        _within("with steps of 2/3 and 4/3 of a period in turn its error is", _alternating, 1.0 / 3.0),
     ),
-    ProbeRow(
-        "converges",
-        _starts,
-        lambda s, o: limited(
-            "from the worst of 24 first attitudes its error at the end is",
-            worst(o[1:], 2.0 / 3.0),
-            max(s.floor, NEAR * o[0].error(2.0 / 3.0)),
-        ),
-    ),
-    ProbeRow("gyro_bias", _biased, _bias_judged),
-    ProbeRow("bias_estimate", _of_bias, _bias_estimate_judged),
+    ProbeRow("converges", _converges),
+    ProbeRow("gyro_bias", _gyro_bias),
+    ProbeRow("bias_estimate", _bias_estimate),
     ProbeRow(
         "slow",
-        lambda s: [_at_rate(s, rate, 60.0) for rate in SLOW_RATES],
-        _within("of a body that turns by 0.1, 0.05 and 0.02 rad/s for a minute its error is"),
-    ),
-    ProbeRow(
-        "linear_acceleration",
-        _carried,
-        lambda s, o: limited(
-            "carried with 2 m/s² along each axis its error is",
-            o[0].error(),
-            max(s.floor, 0.5 * _of_single_sets(s, _carried(s)[0], o[0])),
-            "; the limit is half of what single sets of readings give",
+        _within(
+            "of a body that turns by 0.1, 0.05 and 0.02 rad/s for a minute its error is",
+            lambda search: [_at_rate(search, rate, 60.0) for rate in SLOW_RATES],
         ),
     ),
-    ProbeRow(
-        "accelerometer_bias", lambda s: _off(s, "specific_force"), lambda s, o: _off_judged(s, o, "an accelerometer")
-    ),
-    ProbeRow("hard_iron", lambda s: _off(s, "field"), lambda s, o: _off_judged(s, o, "a magnetometer")),
-    ProbeRow("noise", lambda s: [_noisy(s)], _noise_judged),
-    ProbeRow("dropouts", _gaps, _gaps_judged),
-    ProbeRow(
-        "long_run",
-        lambda s: [s.long],
-        lambda s, o: limited(
-            "in the last tenth of a run ten times as long its error is",
-            o[0].error(0.9),
-            max(s.floor, NEAR * o[0].error(0.1, 0.2)),
-        ),
-    ),
-    ProbeRow(
-        "repeatable",
-        lambda s: [s.course, s.course],
-        lambda s, o: limited(
-            "called twice it gives estimates that differ by",
-            o[0].track.max_difference(o[1].track),
-            SAME,
-            "; one that differs goes by a clock of its own, or by the order in which readings arrive",
-            " rad",
-        ),
-        needs_error=False,
-    ),
-    ProbeRow("norm", lambda s: [s.course], _norms_judged, needs_error=False),
-    ProbeRow("finite", lambda s: [s.course], _broken, needs_error=False),
-    ProbeRow("covariance", _noisy_runs, _covariance_judged),
-    ProbeRow(
-        "needs_rest",
-        _rests,
-        _rests_judged,
-    ),
+    ProbeRow("linear_acceleration", _linear_acceleration),
+    ProbeRow("accelerometer_bias", lambda search: _off(search, "specific_force", "an accelerometer")),
+    ProbeRow("hard_iron", lambda search: _off(search, "field", "a magnetometer")),
+    ProbeRow("noise", noise),
+    ProbeRow("dropouts", _dropouts),
+    ProbeRow("long_run", _long_run),
+    ProbeRow("repeatable", _repeatable, needs_error=False),
+    ProbeRow("norm", _norms, needs_error=False),
+    ProbeRow("finite", _finite, needs_error=False),
+    ProbeRow("covariance", covariance),
+    ProbeRow("needs_rest", _needs_rest),
 )
 """The probes in the order in which they are told."""
 NOTES: Final = (
-    ProbeRow("first_attitude", _starts, _first_judged),
+    ProbeRow("first_attitude", _first_attitude),
     ProbeRow(
         "fixed_field",
-        _dipping_fields,
         _within(
-            "In fields that dip by 0° and ±75° it keeps another field in its code, or hardly corrects: its error is"
+            "In fields that dip by 0° and ±75° it keeps another field in its code, or hardly corrects: its error is",
+            _dipping_fields,
         ),
     ),
     ProbeRow(
         "constant_step",
-        lambda s: [replace(s.course, grid="walk")],
-        lambda s, o: limited(
+        _within(
             "The filter takes all steps for equal, which matters where readings are late or lost: with steps at "
             "random, 2/3 to 4/3 of a period, its error is",
-            worst(o),
-            _limit(s, s.course.turn / 3.0),
+            lambda search: [replace(search.course, grid="walk")],
+            1.0 / 3.0,
         ),
     ),
-    ProbeRow(
-        "causal",
-        _cut,
-        lambda s, o: limited(
-            "The estimate uses later readings, as smoothers do: without them it is another, by up to",
-            o[0].track.max_difference(o[2].track),
-            SAME if o[0].track.max_difference(o[1].track) <= SAME else np.inf,
-        ),
-    ),
+    ProbeRow("causal", _causal),
 )
 """Probes that are told as notes where they are not passed."""
-
-
-def told(search: Search, rows: Iterable[ProbeRow]) -> Iterator[Probe]:
-    """Results of probes; those without courses, as of a covariance where there is none, are left out."""
-    judged = search.chosen.error <= UNJUDGED
-    repairs = search.chosen.repairs
-    asked = [
-        (row, [(course, repairs, courses[:place].count(course)) for place, course in enumerate(courses)])
-        for row in rows
-        if (courses := list(row.courses(search)) if judged or not row.needs_error else [search.course])
-    ]
-    new = [key for key in dict.fromkeys(key for _, keys in asked for key in keys) if key not in search.known]
-    answers = search.ask([Job(course, repairs) for course, _, _ in new])
-    coming = iter(new)
-    for row, keys in asked:
-        if row.needs_error and not judged:
-            error = with_unit(float(np.degrees(search.chosen.error)))
-            yield Probe(row.code, None, f"not judged, as the error of the filter is {error}")
-            continue
-        while any(key not in search.known for key in keys):
-            search.known[next(coming)] = next(answers)
-        yield row.told(search, [search.known[key] for key in keys])

@@ -7,51 +7,40 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
-from itertools import chain, product
-from typing import Final
+from functools import partial
+from itertools import chain, islice, product
+from typing import Any, Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
+from lie_rigid_body.diagnosis.answers import CALM, Answer, Job, first_attitude
 from lie_rigid_body.diagnosis.course import GYRO_KINDS, MOVING, NOISE, Course
+from lie_rigid_body.diagnosis.outputs import CODED, OUTPUTS, without
 from lie_rigid_body.diagnosis.repairs import (
-    CALM,
-    CODED,
     FITTED,
     HALVED,
     JOINT,
-    ORDER,
-    OUTPUTS,
     SCALE,
     SENSOR_READINGS,
-    Answer,
-    Job,
     Repair,
     Repairs,
     drifting,
     exact_repairs,
     factor,
-    first_attitude,
     perturbed,
-    without,
+    scaled,
 )
+from lie_rigid_body.diagnosis.trials import MENDED, NEAR, UNCHANGED, Trial, alone, choose, most_promising, plain
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
-from lie_rigid_body.evaluation.matched import Matched, error_of
+from lie_rigid_body.evaluation.matched import error_of
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.errors import FilterError
-from lie_rigid_body.foundation.parameters import Vector
-from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.sensors import GRADES
 
 FLOOR: Final = 0.1
 """Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
-MENDED: Final = 0.1
-"""Largest share of the error that a repair may leave if the error stays above the floor."""
-NEAR: Final = 2.0
-"""Factor within which errors above the floor count as equal."""
-
 FIRST_REST: Final = 8.0
 """Rest that a filter is given at first to settle, s."""
 MAX_REST: Final = 300.0
@@ -84,117 +73,12 @@ PRUNING_RATIO: Final = 10.0
 """Multiple of the least error, or of the floor, above which a repair is not tried further."""
 BEAM: Final = 8
 """Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
-UNCHANGED: Final = 1e-6
-"""Change of the estimate, rad, below which a repair has no effect."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
 GRADE_OF_NOISE: Final = {name: GRADES["tactical"][name] for name in NOISE}
 """Densities of the noise of tactical sensors."""
-BESIDE: Final = tuple(cause for cause in CAUSES if cause.code != "euler_order")
-"""Causes that are undone beside repairs of the input: with signs and orders of angles two of these would be one."""
-ONE_ROTATION: Final = {"body_axes", "body_mounting"}
-"""Codes of two rotations of the body, of the readings and of the estimate: together they are one, or none."""
-QUICK: Final = tuple(cause for cause in BESIDE if cause.code not in ("lagging", "leading", "clock_rate"))
+QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
-
-
-@short_dataclass(eq=False)
-class Trial:
-    """Runs with one kind of gyro and with repairs, and the error that they leave.
-
-    Attributes
-    ----------
-    repairs : tuple of Repair
-    kind : str
-        The kind of gyro.
-    error : float
-        RMS of the total error over the last two thirds of all runs, rad.
-    parts : tuple of float
-        RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
-        the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
-    track : Matched or None
-        The estimate on the first course, at those samples that are compared; none where the filter failed.
-    unrepaired : sequence of Answer
-        What the filter answers on each course where no reading is repaired; else none.
-    """
-
-    repairs: Repairs
-    kind: str
-    error: float
-    parts: Vector = ()
-    track: Matched | None = None
-    unrepaired: Sequence[Answer] = ()
-
-    def changes(self, other: Trial) -> bool:
-        """Whether its estimate differs from that of another trial, or the filter failed in one of them."""
-        return self.track is None or other.track is None or self.track.max_difference(other.track) > UNCHANGED
-
-    @cached_property
-    def mistakes(self) -> Repairs:
-        """Repairs that name mistakes: all but `JOINT`."""
-        return tuple(repair for repair in self.repairs if repair != JOINT)
-
-    @cached_property
-    def codes(self) -> tuple[str, ...]:
-        """Codes of the mistakes."""
-        return tuple(repair.code for repair in self.mistakes)
-
-    @cached_property
-    def rank(self) -> tuple[int, int, list[int]]:
-        """Rank of the trial: number of repairs, price, places in the table. The least rank is named.
-
-        A world that is turned counts twice: half a turn about a level axis is a world with z down and a heading.
-        """
-        count = len(self.codes) + self.codes.count("world_turned")
-        return count, sum(repair.price for repair in self.mistakes), sorted(map(ORDER.index, self.codes))
-
-
-def plain(trials: Iterable[Trial]) -> Trial:
-    """Trial without a repair, with the kind of gyro that the filter expects; `JOINT` does not count as a repair."""
-    return min((t for t in trials if not t.codes), key=lambda t: t.error)
-
-
-def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> list[Trial]:
-    """Trials that mend the error: first the one that is named, then others of as many repairs that do as well.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        Trials that include those without a repair, and each repair of a pair alone.
-    floor : float
-        The error below which all count as equal, rad.
-    mended : float, optional
-        Share of the error that a repair may leave above the floor.
-    """
-    before = plain(trials).error
-
-    def is_enough(error: float, before: float) -> bool:
-        return error <= max(mended * before, min(floor, HALVED * before))
-
-    def earns(trial: Trial) -> bool:
-        """Whether each repair of a trial halves the error at least, unless both leave less than the floor."""
-        if len(trial.mistakes) < 2:
-            return True
-        if ONE_ROTATION.issubset(trial.codes):
-            return False
-        first = min(alone(trials, repair) for repair in trial.mistakes)
-        return (first <= HALVED * before or trial.error <= floor) and is_enough(trial.error, first)
-
-    if before <= floor:
-        return []
-    mending = [t for t in trials if t.codes and is_enough(t.error, before) and earns(t)]
-    best = min((t.error for t in mending), default=0.0)
-    as_good = [t for t in mending if t.error <= (floor if best <= floor else NEAR * best)]
-    named = min(as_good, key=lambda t: (t.rank, t.error), default=None)
-    return (
-        [named, *(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes)] if named else []
-    )
-
-
-def alone(trials: Iterable[Trial], repair: Repair) -> float:
-    """Least error that a repair leaves by itself; its constants may differ, as they are fitted."""
-    same = [t for t in trials if t.codes == (repair.code,) and (repair.price or t.mistakes[0].text == repair.text)]
-    return min((t.error for t in same), default=np.pi)
 
 
 class Search:
@@ -236,7 +120,7 @@ class Search:
     needs_noise : bool
         Whether perfect readings give no answer, and those of tactical sensors do.
     known : dict
-        Answers to probes, by the course, the repairs and the number of the run.
+        Answers to probes, by the course.
 
     Parameters
     ----------
@@ -246,43 +130,41 @@ class Search:
         Ordinary courses; see `courses_of`.
     most_runs : int
         Runs of the filter after which no more pairs are begun.
-    tell : callable
+    tell : callable, optional
         Function that is called with the number of runs after each.
     noise : mapping of str to float, optional
         Densities of the noise that the filter assumes, where they are given.
     """
 
     free: Trial
+    runs = updates = 0
+    is_cut = is_rest_cut = is_level = is_slow = needs_noise = needs_rest = False
+    deaf: tuple[str, ...] = ()
+    scatter = chatter = growth = 0.0
+    unstable_by = ""
+    _short_error = np.pi
 
     def __init__(
         self,
         each: Callable[[Sequence[Job]], Iterator[Answer | FilterError]],
         courses: tuple[Course, ...],
         most_runs: int,
-        tell: Callable[[int], object] = lambda runs: None,
+        tell: Callable[[int], object] | None = None,
         noise: Mapping[str, float] | None = None,
     ) -> None:
         self._each = each
         self.courses = courses
         self.most_runs = most_runs
-        self._tell = tell
+        self._tell = tell or (lambda runs: None)
         self.noise = noise
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self.trials: list[Trial] = []
-        self.runs = 0
-        self.updates = 0
-        self.is_cut = self.is_rest_cut = self.is_level = self.is_slow = False
-        self.deaf: tuple[str, ...] = ()
-        self.scatter = self.chatter = self.growth = 0.0
-        self.unstable_by = ""
-        self._short_error = np.pi
-        self.needs_noise = self.needs_rest = False
-        self.known: dict[tuple[Course, Repairs, int], Answer | FilterError] = {}
-        self._rests: dict[tuple[object, ...], float] = {}
+        self.known: dict[Course, Answer | FilterError] = {}
+        self._rests: dict[Any, float] = {}
 
-    def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
-        """Answers of the filter to jobs, in their order."""
-        jobs = [replace(job, is_level=self.is_level) for job in jobs]
+    def ask(self, asked: Iterable[tuple[Course, Repairs]]) -> Iterator[Answer | FilterError]:
+        """Answers of the filter to courses with repairs, in their order."""
+        jobs = [Job(*each, self.is_level) for each in asked]
         for job, answer in zip(jobs, self._each(jobs), strict=True):
             self.runs += 1
             self.updates += job.course.updates
@@ -291,7 +173,7 @@ class Search:
 
     def answer(self, course: Course, *repairs: Repair) -> Answer | None:
         """Answer of the filter to one course, or None where it fails."""
-        [answer] = self.ask([Job(course, repairs)])
+        [answer] = self.ask([(course, repairs)])
         return answer if isinstance(answer, Answer) else None
 
     def choice(self) -> list[Trial]:
@@ -299,9 +181,14 @@ class Search:
         return choose(self.trials, self.floor, 0.0 if self.growth else MENDED)
 
     @property
+    def unrepaired(self) -> Trial:
+        """Trial of the filter as it is."""
+        return plain(self.trials)
+
+    @property
     def chosen(self) -> Trial:
         """Trial of the filter with its mistakes repaired, or as it is."""
-        return next(iter(self.choice()), plain(self.trials))
+        return next(iter(self.choice()), self.unrepaired)
 
     def in_order(self, trial: Trial) -> Repairs:
         """Repairs of a trial, the one with the largest effect first; those of the output in their order."""
@@ -313,7 +200,7 @@ class Search:
     def most_helpful(self) -> Trial | None:
         """Trial with the one repair that leaves the least, if that is less than half of the error."""
         least = min((t for t in self.trials if len(t.codes) == 1), key=lambda t: t.error, default=None)
-        return least if least and least.error <= HALVED * plain(self.trials).error else None
+        return least if least and least.error <= HALVED * self.unrepaired.error else None
 
     @property
     def course(self) -> Course:
@@ -353,20 +240,20 @@ class Search:
         self._hear()
         settled = self._settled()
         self.trials = list(self.fully([()], courses=settled))
-        if self.free.error <= self.floor < plain(self.trials).error:  # it knows that the body is free
+        if self.free.error <= self.floor < self.unrepaired.error:  # it knows that the body is free
             self.courses = tuple(course.free() for course in self.courses)
             self.trials = free
             return
-        if plain(self.trials).error > self.floor and not any(course.settle_s for course in settled):
+        if self.unrepaired.error > self.floor and not any(course.settle_s for course in settled):
             rested = [replace(course, settle_s=FIRST_REST) for course in settled]
             trials = list(self.fully([()], courses=rested))
-            self.needs_rest = plain(trials).error <= HALVED * plain(self.trials).error
+            self.needs_rest = plain(trials).error <= HALVED * self.unrepaired.error
             if self.needs_rest:
                 settled = rested
                 self.trials = trials
         self.courses = tuple(settled)
         self._compare()
-        if plain(self.trials).error > self.floor and not self.is_by_chance:
+        if self.unrepaired.error > self.floor and not self.is_by_chance:
             self.look()
 
     def _settled(self) -> list[Course]:
@@ -408,50 +295,48 @@ class Search:
     def _hear(self) -> None:
         """Find the sensors that change nothing after the first second, and whether the magnetometer ever does."""
         course = self.courses[0]
-        begin_ns = round(1e9 * course.rest_s)
-        plain_answer = self.answer(course)
-        for sensor in SENSOR_READINGS if plain_answer else ():
-            if self._is_deaf(course, plain_answer, sensor, begin_ns):
-                self.deaf += (sensor,)
-        if "magnetometer" in self.deaf:
-            self.is_level = self._is_deaf(course, plain_answer, "magnetometer", -(2**62))
+        unchanged = self.answer(course)
 
-    def _is_deaf(self, course: Course, plain_answer: Answer | None, sensor: str, since_ns: int) -> bool:
-        answer = self.answer(course, Repair("", "", 0, partial(perturbed, sensor, since_ns), "", ""))
-        return bool(answer and plain_answer and answer.track.max_difference(plain_answer.track) <= UNCHANGED)
+        def is_deaf(sensor: str, since_ns: int) -> bool:
+            answer = self.answer(course, Repair(change=partial(perturbed, sensor, since_ns)))
+            return bool(answer and unchanged and answer.track.max_difference(unchanged.track) <= UNCHANGED)
+
+        self.deaf = tuple(sensor for sensor in SENSOR_READINGS if is_deaf(sensor, round(1e9 * course.rest_s)))
+        self.is_level = "magnetometer" in self.deaf and is_deaf("magnetometer", -(2**62))
 
     def _compare(self) -> None:
         """Compare equal runs, and runs of nearly perfect sensors: by chance, chatter, or a change that grows."""
-        best = plain(self.trials)
-        course = self.courses[0].of_scenario(gyro_rate=best.kind)
-        exact, again, nearly = (self.answer(c, *best.repairs) for c in (course, course, course.nearly_perfect()))
+        best = self.unrepaired
+        course = self.course
+        nearly_long_course = self.long.nearly_perfect()
+        exact, again, nearly, long, nearly_long = (
+            self.answer(each, *best.repairs)
+            for each in (course, course, course.nearly_perfect(), self.long, nearly_long_course)
+        )
         if not (exact and again and nearly):
             return
         self.scatter = exact.track.max_difference(again.track)
         change = exact.track.differences(nearly.track)
-        long, nearly_long = (self.answer(each, *best.repairs) for each in (self.long, self.long.nearly_perfect()))
-        later = long.track.differences(nearly_long.track) if long and nearly_long else np.zeros(0)
-        level = rms(change[-len(change) // 3 :])
-        growth = rms(later[-len(later) // 3 :]) if later.size else level
-        grows = level > NEAR * rms(change[: len(change) // 3]) or growth > NEAR * level
+        later = (long or exact).track.differences((nearly_long or nearly).track)
+        third = len(change) // 3
+        level = rms(change[-third:])
+        growth = rms(later[-len(later) // 3 :])
+        grows = level > NEAR * rms(change[:third]) or growth > NEAR * level
         if grows and max(level, growth) > max(self.floor, NEAR * best.error, NEAR * self.scatter):
             self.growth = max(level, growth)
-            before = nearly_long.error(0.9) if nearly_long else np.pi
-            signs = {sensor: self._negated(best, sensor) for sensor in ("accelerometer", "magnetometer")}
-            self.unstable_by = next((s for s, error in signs.items() if error <= max(self.floor, MENDED * before)), "")
-        elif UNJUDGED >= np.median(change[-len(change) // 3 :]) > max(self.floor, NEAR * self.scatter):
+            most = max(self.floor, MENDED * (nearly_long.error(0.9) if nearly_long else np.pi))
+            for sensor in ("accelerometer", "magnetometer"):
+                answer = self.answer(nearly_long_course, scaled(sensor, -1.0), *best.repairs)
+                if answer and answer.error(0.9) <= most:
+                    self.unstable_by = sensor
+                    break
+        elif UNJUDGED >= np.median(change[-third:]) > max(self.floor, NEAR * self.scatter):
             self.chatter = max(self.chatter, float(change.max()))  # rare jumps and unrelated attitudes are no chatter
-
-    def _negated(self, unrepaired: Trial, sensor: str) -> float:
-        """Error at the end of a long run with the readings of a sensor negated, rad."""
-        [negated] = [each for each in exact_repairs() if (each.code, each.text) == (f"{sensor}_axes", "-x -y -z")]
-        answer = self.answer(self.long.nearly_perfect(), negated, *unrepaired.repairs)
-        return answer.error(0.9) if answer else np.pi
 
     @property
     def is_by_chance(self) -> bool:
         """Whether equal runs differ by more than what a repair may leave, so that none can be told from chance."""
-        return self.scatter > max(self.floor, MENDED * plain(self.trials).error)
+        return self.scatter > max(self.floor, MENDED * self.unrepaired.error)
 
     def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
@@ -459,7 +344,7 @@ class Search:
             Trial((*trial.repairs, *outputs), trial.kind, error)
             for trial in self.trials
             for outputs, error in without(
-                [answer.track.fraction() for answer in trial.unrepaired], self._outputs(OUTPUTS), pairs=True
+                [answer.track.fraction() for answer in trial.unrepaired], self._named(OUTPUTS), pairs=True
             )
         ]
         self._scaled()
@@ -467,12 +352,14 @@ class Search:
             return
         ((unrepaired,),) = self.tried([((), self.short)])
         self._short_error = unrepaired.error
-        singles = self._screened([(each,) for each in exact_repairs() if not self._moves_the_start_alone(each)], QUICK)
+        # axes of a sensor that only the first answer hears change that alone; another unit may pass a gate
+        heard = [each for each in exact_repairs() if each.code not in [f"{sensor}_axes" for sensor in self.deaf]]
+        singles = self._screened([(each,) for each in heard], QUICK)
         changing = [trial.mistakes[0] for trial in singles if trial.changes(unrepaired)]
         self._scaled()
         if not self._is_mended(1):
             singles += self._fitted_beside(())
-        firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
+        firsts = [trial.mistakes for trial in most_promising(singles)[:BEAM]]
         beside = [[(*first, repair) for repair in changing if repair.code != first[0].code] for first in firsts]
         for step in (
             *(partial(self._screened, pairs) for pairs in beside),
@@ -482,12 +369,7 @@ class Search:
                 return
             step()
 
-    def _moves_the_start_alone(self, repair: Repair) -> bool:
-        """Whether a repair changes readings that only the first answer hears; another unit may pass a gate."""
-        sensor, _, kind = repair.code.rpartition("_")
-        return sensor in self.deaf and kind != "units"
-
-    def _outputs(self, causes: Sequence[Cause]) -> Sequence[Cause]:
+    def _named(self, causes: Iterable[Cause]) -> list[Cause]:
         """Causes in the output that may be named: without constants, where the heading is not judged."""
         return [cause for cause in causes if not (self.is_level and cause.price)]
 
@@ -495,7 +377,7 @@ class Search:
     def most_updates(self) -> int:
         """Readings of the gyro after which no more pairs are begun."""
         most = MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
-        return most + UNPROBED * (bool(self.trials) and plain(self.trials).error > UNJUDGED)
+        return most + UNPROBED * (bool(self.trials) and self.unrepaired.error > UNJUDGED)
 
     @property
     def affordable(self) -> int:
@@ -515,34 +397,33 @@ class Search:
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
         """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
         causes = () if first else QUICK
-        rests = (first, (*first, JOINT))
-        pairs = [(code, rest) for code in FITTED if code not in [each.code for each in first] for rest in rests]
-        return self._screened(
-            [
-                (repair, *rest)
-                for code, rest in pairs
-                if self._may_go_on() and not (repair := self._fitted(code, rest, causes)).is_near_another
-            ],
-            causes,
-        )
+        chosen = list[Repairs]()
+        for code, rest in product(FITTED, (first, (*first, JOINT))):
+            if code not in [each.code for each in first] and self._may_go_on():
+                repair = self._fitted(code, rest, causes)
+                if not repair.is_near_another:
+                    chosen.append((repair, *rest))
+        return self._screened(chosen, causes)
 
     def _screened(self, chosen: Sequence[Repairs], causes: Sequence[Cause] = ()) -> list[Trial]:
         """Try repairs on the short course, and each with some causes in the output; then the best on all courses."""
         chosen = chosen[: self.affordable]
         if not chosen:
             return []
-        causes = self._outputs(causes)
         found = list(self.tried([(repairs, self.short) for repairs in chosen], causes))
         least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
         best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
         far = min(PRUNING_RATIO * max(self.floor, least[best[0]].error), max(self.floor, HALVED * self._short_error))
-        promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
-        finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
+        finals = [
+            trial.mistakes
+            for trial in dict.fromkeys((*alone, *best))
+            if least[trial].error <= far and self._uses_what_it_scales(least[trial])
+        ]
         known = {trial.mistakes for trial in self.trials}
-        singles = dict.fromkeys((each,) for repairs in finals for each in repairs if (each,) not in known)
+        singles = [(each,) for repairs in finals for each in repairs if (each,) not in known]
         wanted = list(dict.fromkeys([*singles, *finals]))
-        self.trials += self.fully(wanted, causes and self._outputs(BESIDE), courses=self._affordable(len(wanted)))
+        self.trials += self.fully(wanted, causes and CAUSES, courses=self._affordable(len(wanted)))
         return [replace(trial, parts=(with_output.error, *trial.parts)) for trial, with_output in least.items()]
 
     def _affordable(self, count: int) -> list[Course]:
@@ -573,8 +454,9 @@ class Search:
 
     def drift_costs(self, sensor: str, repairs: Repairs) -> tuple[float, float]:
         """Increases of the error, rad, by a silent sensor and by half of its readings, in a drift it alone tells."""
-        drifts = [Repair("", "", 0, partial(drifting, sensor, share), "", "") for share in (1.0, SILENT, 0.5)]
-        used, silenced, halved = (trial.error for (trial,) in self.tried([((d, *repairs), self.short) for d in drifts]))
+        drift = Repair(change=partial(drifting, sensor))
+        asked = [((drift, scaled(sensor, share), *repairs), self.short) for share in (1.0, SILENT, 0.5)]
+        used, silenced, halved = (trial.error for (trial,) in self.tried(asked))
         return silenced - used, halved - used
 
     def fully(
@@ -592,23 +474,28 @@ class Search:
     def _scaled(self) -> None:
         """Fit a factor of the gyro near 1 beside the cheapest repairs that leave a small error: it is a note."""
         best = {t.codes: t for t in sorted(self.trials, key=lambda t: -t.error)}
-        before = best[()].error
-        small = [t for t in best.values() if self.floor < t.error <= (MENDED * before if t.codes else UNJUDGED)]
-        scaled = {codes[1:] for codes in best if codes[:1] == ("gyro_scale",)}
-        bases = [t for t in small if t.codes not in scaled and not {"gyro_scale", "time_step"} & {*t.codes}]
+        small = MENDED * best[()].error
+        known = {codes[1:] for codes in best if codes[:1] == ("gyro_scale",)}
+        bases = [
+            t
+            for codes, t in best.items()
+            if self.floor < t.error <= (small if codes else UNJUDGED)
+            and codes not in known
+            and not {"gyro_scale", "time_step"} & {*codes}
+        ]
         for base in sorted(bases, key=lambda t: (t.rank, t.error))[:2]:
             inputs = tuple(each for each in base.mistakes if each.change)
             causes = [CODED[each.code] for each in base.mistakes if not each.change][-1:]
             for rest in (inputs, (*inputs, JOINT)):
-                scale = self._finest(1.0, 1.0 + SCALE, rest, GYRO_KINDS[0], causes)
+                scale = self._finest(1.0, 1.0 + SCALE, rest, causes)
                 self.trials += self.fully([(factor(scale), *inputs)], causes, courses=self._affordable(1))
 
-    def _finest(self, around: float, step: float, rest: Repairs, kind: str, causes: Sequence[Cause] = ()) -> float:
+    def _finest(self, around: float, step: float, rest: Repairs, causes: Sequence[Cause] = ()) -> float:
         """The best factor of the gyro near another, beside other repairs, on the first course."""
-        course = self._affordable(1)[0].of_scenario(gyro_rate=kind)
+        courses = tuple(self._affordable(1)[:1])
 
         def error(value: float) -> float:
-            (trials,) = self.tried([((factor(value), *rest), (course,))], causes)
+            [trials] = self.tried([((factor(value), *rest), courses)], causes)
             return trials[-1].error
 
         return least(error, around, step)
@@ -616,23 +503,20 @@ class Search:
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
         """The best constant of a repair beside others, and perhaps one of the output."""
         of, tried = FITTED[code]
-        if code == "time_step":
-            tried = tuple(sorted({*tried, *self._scales(rest)}))
 
         def left(values: Iterable[float]) -> list[float]:
             asked = [((of(value), *rest), self.short) for value in values]
             return [min(trial.error for trial in trials) for trials in self.tried(asked, causes)]
 
-        place = int(np.argmin(left(tried)))
-        low = tried[max(0, place - 1)]
-        high = tried[min(len(tried) - 1, place + 1)]
-        if code == "time_step":
-            best = least(lambda value: left([value])[0], tried[place], STEP)
-            if left([best])[0] <= self.floor:  # a filter that corrects much hides a small error on so short a course
-                best = self._finest(best, FINE, rest, GYRO_KINDS[0])
-        else:
-            between = [count for count in range(int(low), int(high) + 1) if count]
-            best = between[int(np.argmin(left(between)))]
+        if code != "time_step":
+            place = int(np.argmin(left(tried)))
+            between = range(int(tried[max(0, place - 1)]), int(tried[min(len(tried) - 1, place + 1)]) + 1)
+            counts = [count for count in between if count]
+            return of(counts[int(np.argmin(left(counts)))])
+        tried = tuple(sorted({*tried, *self._scales(rest)}))
+        best = least(lambda value: left([value])[0], tried[int(np.argmin(left(tried)))], STEP)
+        if left([best])[0] <= self.floor:  # a filter that corrects much hides a small error on so short a course
+            best = self._finest(best, FINE, rest)
         return of(best)
 
     def _scales(self, rest: Repairs) -> Iterator[float]:
@@ -656,14 +540,15 @@ class Search:
         FilterError
             If the filter fails without a repair.
         """
-        answers = self.ask([Job(course, repairs) for repairs, courses in asked for course in courses])
+        answers = self.ask([(course, repairs) for repairs, courses in asked for course in courses])
         for repairs, courses in asked:
-            given = [next(answers) for _ in courses]
             kind = courses[0].parameter("gyro_rate")
-            failed = [answer for answer in given if isinstance(answer, FilterError)]
-            if failed and not repairs:
-                raise failed[0]
-            right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
+            right = list[Answer]()
+            for answer in islice(answers, len(courses)):
+                if isinstance(answer, Answer) and not (repairs and answer.broken.size):
+                    right.append(answer)
+                elif isinstance(answer, FilterError) and not repairs:
+                    raise answer
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
@@ -671,23 +556,10 @@ class Search:
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.thinned(SCREENED) for each in tracks]
-            alone = Trial(
-                repairs, kind, error_of(tracks), parts, tracks[0], () if repairs not in ((), (JOINT,)) else right
-            )
-            yield [
-                alone,
-                *(
-                    Trial((*repairs, *outputs), kind, error)
-                    for outputs, error in without(tracks, causes, pairs=not alone.codes)
-                ),
-            ]
-
-
-def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
-    """Order trials by their best rank in any error: with a repair of the output, of the vertical, of the turns."""
-    errors = np.array([trial.parts for trial in trials])
-    places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
-    return [trials[number] for number in np.argsort(places, kind="stable")]
+            unrepaired = right if repairs in ((), (JOINT,)) else ()
+            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], unrepaired)
+            undone = without(tracks, self._named(causes), pairs=not alone.codes)
+            yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in undone)]
 
 
 def least(error: Callable[[float], float], around: float, step: float) -> float:

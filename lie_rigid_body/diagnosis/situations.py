@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from itertools import combinations
 from typing import Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.diagnosis.course import Course, Readings
-from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Repair
-from lie_rigid_body.diagnosis.search import Search, plain
+from lie_rigid_body.diagnosis.course import Course
+from lie_rigid_body.diagnosis.repairs import scaled
+from lie_rigid_body.diagnosis.search import Search
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.lie import quaternion
 
 LEVEL: Final = (0.4, -0.3, 0.0)
 """Roll, pitch and yaw of a body that is nearly level, degrees."""
@@ -49,21 +49,10 @@ class Situation:
     is_level: bool
 
 
-def _at(course: Course, angles_deg: tuple[float, float, float], *rate: float) -> Course:
-    roll, pitch, yaw = (
-        quaternion.exp(angle * axis) for angle, axis in zip(np.radians(angles_deg), np.eye(3), strict=True)
-    )
-    attitude = quaternion.multiply(yaw, quaternion.multiply(pitch, roll))
-    return course.of_scenario(initial_attitude_xyzw=attitude.tolist(), initial_body_rate=list(rate) or [0.0] * 3)
-
-
-def _zeros(sensor: str, given: Readings) -> Readings:
-    return given.changed(np.zeros_like, SENSOR_READINGS[sensor])
-
-
-def _silent(sensor: str) -> Repair:
-    """Zeros in place of the readings of a sensor."""
-    return Repair("", "", 0, partial(_zeros, sensor), "", "")
+def _at(course: Course, angles_deg: Sequence[float], rate: Sequence[float] = (0.0, 0.0, 0.0)) -> Course:
+    """A course that begins with roll, pitch and yaw, degrees, and a body rate, rad/s."""
+    attitude = scipy.spatial.transform.Rotation.from_euler("xyz", angles_deg, degrees=True)
+    return course.of_scenario(initial_attitude_xyzw=attitude.as_quat().tolist(), initial_body_rate=rate)
 
 
 REST: Final[Mapping[str, tuple[float, float, float]]] = {
@@ -84,21 +73,20 @@ TUMBLES: Final[Mapping[str, tuple[str, ...]]] = {
 
 def situations(search: Search) -> Iterator[Situation]:
     """Run the filter, as it is, in each situation; the tumble is that of the course with the larger error."""
-    unrepaired = plain(search.trials)
-    worst = int(np.argmax([answer.error() for answer in unrepaired.unrepaired]))
-    course = search.courses[worst].of_scenario(gyro_rate=unrepaired.kind)
+    unrepaired = search.unrepaired
+    worst = max(zip(unrepaired.unrepaired, search.courses, strict=True), key=lambda each: each[0].error())
+    course = worst[1].of_scenario(gyro_rate=unrepaired.kind)
     every: list[tuple[str, Course, tuple[str, ...]]] = [
         *((name, _at(course, angles), ()) for name, angles in REST.items()),
-        *((name, _at(course, LEVEL, *rate), ()) for name, rate in TURNS.items()),
+        *((name, _at(course, LEVEL, rate), ()) for name, rate in TURNS.items()),
         *((name, course, silent) for name, silent in TUMBLES.items()),
     ]
     for name, each, silent in every:
-        answer = search.answer(search.settled(each), *map(_silent, silent))
+        answer = search.answer(search.settled(each), *(scaled(sensor, 0.0) for sensor in silent))
         if answer is None or answer.broken.size:
             yield Situation(name, None, is_level=False)
         else:
-            track = answer.track.fraction()
-            level = float(np.sqrt(np.mean(track.error().inclination ** 2)))
+            level = rms(answer.track.fraction().error().inclination)
             yield Situation(name, float(np.degrees(answer.error())), is_level=level <= search.floor)
 
 

@@ -12,15 +12,12 @@ eigenvector.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import permutations
-from typing import Final, Literal, get_args
+from typing import Final
 
 import numpy as np
-import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, relative_rotations, times
 from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of, products, valleys
@@ -101,16 +98,38 @@ class Cause:
 
 Part = tuple[Cause, Array]
 """A cause with its constants."""
+Parts = Sequence[Part]
+"""Causes in the order in which they are undone."""
 
 
-def undone(track: Matched, parts: Sequence[Part]) -> Matched:
+def undone(track: Matched, parts: Parts) -> Matched:
     """The track without some causes, in their order."""
     for cause, constants in parts:
         track = cause.undo(track, constants)
     return track
 
 
-def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Part]:
+def by_maps(
+    code: str,
+    maps: Sequence[Array],
+    fact: Callable[[Array], str],
+    deed: Callable[[Array], str],
+    remedy: Callable[[Array], str] = lambda constants: "",
+) -> Cause:
+    """A cause that is undone by one of several matrices, shape (4, 4); its constant is the number of the matrix."""
+    return Cause(
+        code,
+        0,
+        lambda track, chosen: replace(track, attitude_xyzw=track.attitude_xyzw @ maps[int(chosen[0])].T),
+        lambda tracks: [np.array([float(number)]) for number in range(len(maps))],
+        fact,
+        deed,
+        tuple(each[np.newaxis] for each in maps),
+        remedy=remedy,
+    )
+
+
+def fit(tracks: MatchedRuns, parts: Parts, steps: int = 12) -> Parts:
     """Fit the constants of some causes together, from a start near them.
 
     Gauss and Newton's steps, with the weights of Geman and McClure: far errors, as while a filter converges, hardly
@@ -139,7 +158,7 @@ def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Par
     return list(parts)
 
 
-def derivative(track: Matched, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
+def derivative(track: Matched, parts: Parts) -> tuple[Array, Array, Array]:
     """Derivative of the errors by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
     now = undone(track, parts)
     truth, rate = now.truth.states(now.stamps_ns)
@@ -147,7 +166,7 @@ def derivative(track: Matched, parts: Sequence[Part]) -> tuple[Array, Array, Arr
     return J, relative_rotations(truth, now.attitude_xyzw), truth
 
 
-def inflations(track: Matched, parts: Sequence[Part]) -> list[float]:
+def inflations(track: Matched, parts: Parts) -> list[float]:
     """Largest variance inflation factor of each cause's constants by fitting the others beside it; 1 without one.
 
     Where the body hardly moves, or turns about one axis, it is large: this motion does not tell the constants apart.
@@ -179,37 +198,12 @@ def _turned(track: Matched, left: Array = IDENTITY, right: Array = IDENTITY) -> 
     return replace(track, attitude_xyzw=quaternion.multiply(quaternion.multiply(left, track.attitude_xyzw), right))
 
 
-def _by_map(*maps: Array) -> Callable[[Matched, Array], Matched]:
-    """The repair by a matrix without constants, chosen by its number."""
-    return lambda track, chosen: replace(track, attitude_xyzw=track.attitude_xyzw @ maps[int(chosen[0])].T)
-
-
-def _reordered(track: Matched, orders: Array) -> Matched:
-    """The attitude of the same three angles in another order of axes."""
-    wrong, right = (EULER_ORDERS[int(order)] for order in orders)
-    sorted_angles = euler_angles(track, wrong)[:, [wrong.index(axis) for axis in right]]
-    attitude = scipy.spatial.transform.Rotation.from_euler(right, sorted_angles).as_quat()
-    return replace(track, attitude_xyzw=attitude)
-
-
-def euler_angles(track: Matched, order: Order) -> Array:
-    """Angles of turns about axes of the body, in an order, shape (N, 3), rad."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
-        return np.asarray(scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(order))
-
-
 def _moved(track: Matched, lag_s: Array) -> Matched:
     return replace(track, stamps_ns=track.stamps_ns - np.int64(np.round(lag_s[0] * 1e9)))
 
 
 def _by_clock(track: Matched, rate: Array) -> Matched:
     return replace(track, stamps_ns=track.origin + np.round(1e9 * track.since_s * rate[0]).astype(np.int64))
-
-
-def _fixed(*values: Sequence[float]) -> Callable[[MatchedRuns], Sequence[Array]]:
-    """Constants that are not fitted, one or some to choose from."""
-    return lambda tracks: [np.array(value) for value in values]
 
 
 def _turn(maps: Array, constants: Callable[[Array], Array], tracks: MatchedRuns) -> Sequence[Array]:
@@ -267,9 +261,6 @@ def _lag(sign: float, tracks: MatchedRuns) -> Sequence[Array]:
     return [found if sign * found[0] > least else np.zeros(1)]
 
 
-Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
-EULER_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
-"""Orders of turns about axes of the body, the usual one first."""
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
 _Z_UP: Final = _left(NED[np.newaxis])[0]
@@ -286,48 +277,31 @@ _RATES: Final = np.geomspace(0.5, 2.0, 141)
 
 
 CAUSES: Final = (
-    Cause(
+    by_maps(
         "inverted",
-        0,
-        _by_map(_INVERSE),
-        _fixed([0.0]),
+        (_INVERSE,),
         lambda c: (
             "The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"
         ),
         lambda c: "Conjugated it leaves",
-        (_INVERSE[np.newaxis],),
     ),
-    Cause(
+    by_maps(
         "scalar_first",
-        0,
-        _by_map(_SHIFT),
-        _fixed([0.0]),
+        (_SHIFT,),
         lambda c: "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end",
         lambda c: "With the scalar last it leaves",
-        (_SHIFT[np.newaxis],),
     ),
-    Cause(
+    by_maps(
         "ned_world",
-        0,
-        _by_map(_Z_UP, _Z_UP_AND_FLU),
-        _fixed([0.0], [1.0]),
+        (_Z_UP, _Z_UP_AND_FLU),
         lambda c: f"The world of the estimate is north-east-down{' and its body forward-right-down' if c[0] else ''}",
         lambda c: (
             f"With a world whose z is up{', and a body turned by half a turn about x' if c[0] else ''}, it leaves"
         ),
-        (_Z_UP[np.newaxis], _Z_UP_AND_FLU[np.newaxis]),
         remedy=lambda c: (
             f"multiply it on the left by (√½, √½, 0, 0){', and on the right by (1, 0, 0, 0)' if c[0] else ''}; "
             "if it should not be, see whether the sign of the accelerometer turns it upside down"
         ),
-    ),
-    Cause(
-        "euler_order",
-        0,
-        _reordered,
-        _fixed(*permutations(np.arange(6.0), 2)),
-        lambda c: f"The three Euler angles are put together in the order {_order(c[0])} instead of {_order(c[1])}",
-        lambda c: f"Put together as {_order(c[1])} they leave",
     ),
     Cause(
         "heading_offset",
@@ -437,7 +411,3 @@ def or_else(code: str, named: Collection[str], other: Collection[str]) -> str:
 def late(lag_s: float) -> Part:
     """The cause of stamps that are late by a lag, s, or ahead where it is not above 0."""
     return BY_CODE["lagging" if lag_s > 0.0 else "leading"], np.array([lag_s])
-
-
-def _order(number: float) -> str:
-    return " ".join(EULER_ORDERS[int(number)].lower())

@@ -6,7 +6,6 @@ another speed or the time of day beside a replay, is looked for where nothing el
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,6 +15,7 @@ from lie_rigid_body.evaluation.causes import (
     MIN_COVERED,
     UP,
     Part,
+    Parts,
     derivative,
     fit,
     fitted_in_time,
@@ -24,17 +24,8 @@ from lie_rigid_body.evaluation.causes import (
     undone,
     weights,
 )
-from lie_rigid_body.evaluation.explanations import (
-    BOTH,
-    FULL,
-    LEAD,
-    MAX_INFLATION,
-    MAX_LEFT,
-    MIN_LATE,
-    SHARE,
-    UNLIKE,
-    Explanation,
-)
+from lie_rigid_body.evaluation.evidence import FULL, LEAD, MAX_INFLATION, MIN_LATE, UNLIKE
+from lie_rigid_body.evaluation.explanations import BOTH, MAX_LEFT, SHARE, Explanation
 from lie_rigid_body.evaluation.matched import (
     MIN_SAMPLES,
     NEGLIGIBLE,
@@ -134,9 +125,7 @@ def lag_of(track: Matched, named: Explanation, longest_lag_s: float, period_s: f
     return Lag()
 
 
-def _unnamed(
-    track: Matched, fitted: Sequence[Part], without: Sequence[Part], instead: Sequence[Part], period_s: float
-) -> Lag:
+def _unnamed(track: Matched, fitted: Parts, without: Parts, instead: Parts, period_s: float) -> Lag:
     """Lag that no explanation names: returned where it is sure, or surely small.
 
     A lag must leave no more error than ``instead``, a turn of the world and one of the body. The lead of a right filter
@@ -147,12 +136,12 @@ def _unnamed(
     left, before, other, raw = (
         float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, instead, ())
     )
-    turn = rms(norm(track.truth.states(track.stamps_ns)[1]))
+    turn = rms(norm(track.rates))
     if left > MAX_LEFT:  # what follows the truth so little tells no lag
         return Lag()
     clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
     # each half of a run alone tells about the same lag; what drifts feign hardly does
-    halves = [track[half] for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
+    halves = (track.fraction(0.0, 0.5), track.fraction(0.5))
     alone = (float(fit([half], fitted)[-1][1][0]) for half in halves)
     lead = -LEAD * period_s <= lag_s <= 0.0
     clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and (lead or left <= other)
@@ -163,13 +152,13 @@ def _unnamed(
     return Lag(lag_s, error) if told else Lag()
 
 
-def _separable(track: Matched, parts: Sequence[Part]) -> bool:
+def _separable(track: Matched, parts: Parts) -> bool:
     """Whether the body turns at all, and the motion tells the lag, the last constant, apart from the others."""
     turns = rms(norm(derivative(track, parts)[0][..., -1])) > MIN_BODY_RATE
     return turns and inflations(track, parts)[-1] <= MAX_INFLATION
 
 
-def standard_error(track: Matched, parts: Sequence[Part]) -> float:
+def standard_error(track: Matched, parts: Parts) -> float:
     """Standard error of the lag, which is the last of the fitted constants, s.
 
     The largest of three. The jackknife of `BLOCKS` blocks of the run tells how much the lag changes when one is left
@@ -254,14 +243,15 @@ def _explains(few: Matched, part: Part, beyond_s: float) -> bool:
         return False
     if abs(number - 1.0) < MIN_OFF if is_rate else abs(number) <= beyond_s:
         return False
-    truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= MIN_SAMPLES else np.ones(3)
-    most_left = min((0.5 * UNLIKE) ** 2 * constant_attitude_misfit(truth), np.sin(0.5 * MAX_LEFT_BY_CLOCK) ** 2)
+    most_left = min(
+        (0.5 * UNLIKE) ** 2 * constant_attitude_misfit(moved.truth_xyzw), np.sin(0.5 * MAX_LEFT_BY_CLOCK) ** 2
+    )
     if np.any(quarters(moved) > floored(np.minimum(SHARE**2 * before, most_left))):
         return False
-    if not is_single_axis(rate, SPIN if is_rate else EVEN_SPIN):
+    if not is_single_axis(moved.rates, SPIN if is_rate else EVEN_SPIN):
         return True
     if not is_rate:
-        return abs(number) * float(norm(rate).max()) < np.pi
+        return abs(number) * float(norm(moved.rates).max()) < np.pi
     spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
     return max(number, 1.0 / number) >= CLOCK_RATIO and spanned >= MIN_SPANNED

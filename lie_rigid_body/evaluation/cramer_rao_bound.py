@@ -291,7 +291,7 @@ def dynamic_bound(
     # the start in the place of the attitude, and readings of the gyro beside those of the vectors
     weight = (np.sqrt(readings) / gyro_noise)[:, np.newaxis, np.newaxis]
     of_gyro = np.broadcast_to(np.eye(3, H.shape[-1] - 3), (len(H), 3, H.shape[-1] - 3))
-    H = np.concatenate([_joined(H[..., :3] @ turn, H[..., 3:]), weight * _joined(rate, of_gyro)], axis=1)
+    H = np.concatenate([np.dstack([H[..., :3] @ turn, H[..., 3:]]), weight * np.dstack([rate, of_gyro])], axis=1)
     Q = np.pad(Q, ((0, 0), (3, 0), (3, 0)))
     Q[:, :6] = Q[:, :, :6] = 0.0
     first = np.insert(deviations, 3, [UNKNOWN_RATE] * 3)
@@ -306,11 +306,6 @@ def dynamic_bound(
     at = np.unique(np.searchsorted(stamps_ns, np.linspace(stamps_ns[0], stamps_ns[-1], JOINT)))
     some = turn[at].reshape(-1, 6)
     return replace(bound, joint_ns=stamps_ns[at], joint=some @ updated[-1, :6, :6] @ some.T)
-
-
-def _joined(left: Array, right: Array) -> Array:
-    """Matrices side by side."""
-    return np.concatenate([left, right], axis=2)
 
 
 def _flow(

@@ -139,11 +139,9 @@ def of_pairs(pairs: Sequence[tuple[ArrayLike, ArrayLike]], among: int = 0) -> li
     read = [_both(*pair) for pair in pairs]
     logarithms = [_logarithms(errors) for errors in read]
     values = np.array([_value(each) for each in logarithms])
-    adjusted = np.ones(len(pairs))
-    largest = 0.0
-    for place, number in enumerate(np.argsort(values, kind="stable")):
-        largest = max(largest, float(values[number]) * (among - place))
-        adjusted[number] = min(1.0, largest)
+    order = np.argsort(values, kind="stable")
+    adjusted = np.empty(len(pairs))
+    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(values[order] * (among - np.arange(len(pairs)))))
     found = list[Difference]()
     for each, errors, p in zip(logarithms, read, adjusted, strict=True):
         ratio, low, high = np.exp(_interval(each, LEVEL / among)).tolist()

@@ -13,39 +13,23 @@ its gyro step. Every explanation without a lag may have such a lead at no price,
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache, cached_property, reduce
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from functools import cache, reduce
+from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import angles, error_vectors, period_ns
 from lie_rigid_body.evaluation.causes import (
     BY_CODE,
-    Part,
-    fit,
+    Parts,
     heading,
-    inflations,
     late,
-    or_else,
     vector,
 )
 from lie_rigid_body.evaluation.matched import (
-    NEGLIGIBLE,
-    SAMPLES,
-    WINDOW,
-    Matched,
-    constant_attitude_misfit,
     floored,
-    is_single_axis,
-    lags_of_rates,
-    products,
-    valleys,
 )
-from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.lie import quaternion
-from lie_rigid_body.lie.vectors import norm
 
 PRICES: Final = {
     "heading_offset": 1.25,
@@ -66,45 +50,6 @@ MAX_LEFT_BY_THREE: Final = float(np.radians(7.7))
 """Largest error that a cause with three constants may leave, rad, divided by the number of causes with constants."""
 SHARE: Final = 1.0 / 3.0
 """Largest ratio of the RMS error with a named cause to that without the cause, in each quarter of a run."""
-LAG_SHARE: Final = 0.5
-"""Largest ratio of the RMS error with a named lag to that without. Slow errors hardly follow the body rate, unless the
-body turns about one axis."""
-MIN_LATE: Final = 0.5
-"""Least lag, in samples, that is named as a cause where other errors are as large."""
-TIE: Final = 1.25
-"""Ratio of two RMS errors up to which their explanations count as equally good."""
-UNEVEN_QUARTERS: Final = 3.0
-"""Largest ratio of the RMS errors that a far lag leaves in two quarters: a near repetition fits another lag in each."""
-FOLLOWING: Final = 0.125
-"""Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
-UNLIKE: Final = 0.5
-"""Largest error that an explanation with constants may leave, as a share of what a constant attitude leaves.
-
-With a mounting it is half of that."""
-MIN_TILT: Final = float(np.radians(10.0))
-"""Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
-about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
-LEAD: Final = 1.5
-"""Largest lead of a right filter, samples: one sample, and half of one for sensor errors."""
-DISCRETISATION_ERROR: Final = 0.1
-"""Largest constant error of a right filter with perfect sensors, as a share of the largest turn between samples."""
-OF_SENSORS: Final = float(np.radians(1.0))
-"""Attitude error, rad, below which sensor errors may be the cause; they look more like a constant turn than a lag."""
-LAG_TIE: Final = 3.0
-"""Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
-FULL: Final = 0.999
-"""Share of the longest lag from which on a lag counts as at the limit of the search."""
-MAX_INFLATION: Final = 10.0
-"""Largest variance inflation factor with which the motion tells constants apart."""
-MAX_OF_LEAD: Final = 8000
-"""Largest number of samples by which the error of a lead is computed."""
-BLOCKS: Final = 9
-"""Number of parts of a run in which constants are fitted, to see whether they shrink."""
-EVENLY: Final = 0.15
-"""Largest distance from half of the decrease of a constant up to the middle third. Of an exponential decay it is that
-where the time constant is 0.4 of the run."""
-SHRUNK: Final = 0.05
-"""Share of a constant by which it shrinks at least in an estimate that converges."""
 
 Turned = tuple[str, ...]
 """Turns of the world and of the body, in the order of undoing."""
@@ -123,16 +68,16 @@ BOTH: Final = ("heading_offset", "body_mounting")
 """Turns that are fitted together, as the heading of a compass and the axes of markers."""
 PAIRS: Final = (BOTH, ("world_turned", "body_mounting"))
 """Turns of the world and of the body together; `TURNED` are those that are tried alone."""
+LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
+"""Turns that are tried together with every lag."""
+BY_RATES: Final = (TURNED[2], *PAIRS)
+"""Turns that are tried together with lags at which the estimate turns as fast as the body."""
 _NUMBERS: Final = {
     "heading_offset": (heading, slice(2)),
     "world_turned": (vector, slice(4)),
     "body_mounting": (vector, slice(-4, None)),
 }
 """Constants of turns by fitted numbers, and where these are among those of an explanation."""
-LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
-"""Turns that are tried together with every lag."""
-BY_RATES: Final = (TURNED[2], *PAIRS)
-"""Turns that are tried together with lags at which the estimate turns as fast as the body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,17 +112,26 @@ class Explanation:
         return (*(code for code, _ in self.form), *self.turned, *(() if self.lag_s is None else ("lag",)))
 
     @property
+    def fitted(self) -> int:
+        """Number of causes with constants."""
+        return len(self.causes) - len(self.form)
+
+    @property
+    def fits_anything(self) -> bool:
+        """Whether a rotation of the world is beside a lag or a mounting: together they fit nearly anything."""
+        return "world_turned" in self.turned and self.fitted > 1
+
+    @property
     def error(self) -> float:
-        """Root mean square of the error that is left, rad."""
+        """Root mean square of the error that remains, rad."""
         return float(2.0 * np.arcsin(np.sqrt(np.clip(np.mean(self.left), 0.0, 1.0))))
 
     @property
     def explains(self) -> bool:
-        """Whether so little is left that the causes are what is wrong: many constants fit anything to some degrees."""
-        constants = len(self.causes) - len(self.form)
+        """Whether so little remains that the causes are what is wrong: many constants fit anything to some degrees."""
         if {"world_turned", "body_mounting"} & {*self.turned}:
-            return self.error <= MAX_LEFT_BY_THREE / constants
-        return self.error <= MAX_LEFT / (len(self.causes) if constants else 1)
+            return self.error <= MAX_LEFT_BY_THREE / self.fitted
+        return self.error <= MAX_LEFT / (len(self.causes) if self.fitted else 1)
 
     @property
     def cost(self) -> float:
@@ -191,7 +145,7 @@ class Explanation:
         return float(np.mean(0.5 * np.log2(floored(self.left)))) + simple
 
     @property
-    def parts(self) -> list[Part]:
+    def parts(self) -> Parts:
         """The causes of the table with their constants, as fitted so far."""
         forms = [(BY_CODE[code], np.array([float(number)])) for code, number in self.form]
         turns = [(BY_CODE[code], _NUMBERS[code][0](self.numbers[_NUMBERS[code][1]])) for code in self.turned]
@@ -205,7 +159,7 @@ def matrix(form: Form) -> Array:
 
 
 @cache
-def _base(form: Form, turned: Turned) -> Array:
+def base_of(form: Form, turned: Turned) -> Array:
     """Basis of the repairs of a form followed by turns, shape (d, 16)."""
     maps = np.eye(4)[np.newaxis]
     for code in turned:
@@ -213,350 +167,40 @@ def _base(form: Form, turned: Turned) -> Array:
     return (maps @ matrix(form)).reshape(-1, 16)
 
 
-def _best(forms: Array) -> Array:
+def best(forms: Array) -> Array:
     """Unit vectors c of the largest cᵀ G c for each matrix G, shape (..., d)."""
     return np.asarray(np.linalg.eigh(forms)[1][..., -1])
 
 
-def _best_of_pair(forms: Array, first: Array) -> Array:
+def best_of_pair(forms: Array, first: Array) -> Array:
     """Quaternion numbers of a turn of the world (2 or 4) and of the body (4), fitted alternately, (..., 6 or 8)."""
     G = forms.reshape(*forms.shape[:-2], -1, 4, forms.shape[-1] // 4, 4)
     world = first
     for _ in range(8):
-        body = _best(np.einsum("...i,...k,...ijkl->...jl", world, world, G))
-        world = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
+        body = best(np.einsum("...i,...k,...ijkl->...jl", world, world, G))
+        world = best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
     return np.concatenate([world, body], axis=-1)
 
 
-def _start_of_pair(forms: Array) -> Array:
+def start_of_pair(forms: Array) -> Array:
     """Numbers of the turn of the world from which the fit of a pair leaves least, by sums of shape (d, d).
 
     Starts are the left singular vectors of the best product of any numbers, which is near that of two quaternions.
     """
-    starts = np.linalg.svd(_best(forms).reshape(-1, 4), full_matrices=False)[0].T
-    return np.asarray(starts[np.argmax(_value(_best_of_pair(forms, starts), forms))])
+    starts = np.linalg.svd(best(forms).reshape(-1, 4), full_matrices=False)[0].T
+    return np.asarray(starts[np.argmax(value(best_of_pair(forms, starts), forms))])
 
 
-def _largest(turned: Turned, forms: Array) -> Array:
+def largest(turned: Turned, forms: Array) -> Array:
     """Largest value of fitted numbers for each matrix of sums, shape (..., d, d)."""
     if turned not in PAIRS:
         return np.asarray(np.linalg.eigvalsh(forms)[..., -1])
-    return _value(_best_of_pair(forms, _start_of_pair(forms.reshape(-1, *forms.shape[-2:]).mean(axis=0))), forms)
+    return value(best_of_pair(forms, start_of_pair(forms.reshape(-1, *forms.shape[-2:]).mean(axis=0))), forms)
 
 
-def _value(numbers: Array, forms: Array) -> Array:
+def value(numbers: Array, forms: Array) -> Array:
     """Value cᵀ G c of fitted numbers c; for two turns c is the product of their numbers."""
     if numbers.shape[-1] != forms.shape[-1]:
         product = numbers[..., :-4, np.newaxis] * numbers[..., np.newaxis, -4:]
         numbers = product.reshape(*numbers.shape[:-1], -1)
     return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
-
-
-class Choice(NamedTuple):
-    """Choice of an explanation.
-
-    Attributes
-    ----------
-    named : Explanation
-        Without a cause where none is sure.
-    of_sensors : bool
-        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
-    at_limit : bool
-        Whether a lag at the limit of the search leaves least: the true one may be longer.
-    converging : bool
-        Whether a constant of the explanation shrinks, as the estimate still converges: nothing is named then.
-    """
-
-    named: Explanation
-    of_sensors: bool
-    at_limit: bool = False
-    converging: bool = False
-
-
-class Evidence:
-    """Sums over an estimate and the truth, from which every explanation is judged.
-
-    Parameters
-    ----------
-    track : Matched
-        Samples whose true time, moved by the longest lag either way, is within the truth's times.
-    longest_lag_s : float
-    left_by_sensors : float
-        Largest constant turn that the sensors' own errors leave to a right filter, rad.
-    """
-
-    def __init__(self, track: Matched, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
-        self.whole = track
-        self.track = track.thinned(SAMPLES)
-        self.period_s = period_ns(track.stamps_ns) / 1e9
-        self.longest_lag_s = longest_lag_s
-        self.left_by_sensors = left_by_sensors
-        truth, rate = self.track.truth.states(self.track.stamps_ns)
-        self.fastest = float(norm(rate).max())
-        self.misfit_of_constant = constant_attitude_misfit(truth)
-        self.is_single_axis = is_single_axis(rate)
-        self.root_mean_square_rate = rms(norm(rate))
-        # at the leads of a right filter: none, half a sample and one
-        self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
-        # between neighbours the body turns by a quarter of a radian at most, unless they would be too many
-        half = min(max(int(np.ceil(4.0 * longest_lag_s * self.fastest)), 1), 90)
-        self._lags = np.linspace(-longest_lag_s, longest_lag_s, 2 * half + 1)
-        # what a lag between two of these may leave less
-        self._slack = float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
-        self._known: dict[tuple[Form, Turned, bool], Explanation] = {}
-
-    def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
-        """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
-        few = self.track.thinned(most)
-        P = products(few, few.stamps_ns - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis])
-        return np.stack([np.swapaxes(q, 1, 2) @ q / q.shape[1] for q in np.array_split(P, 4, axis=1)[1:]], axis=1)
-
-    def judged(self, form: Form, turned: Turned, T: Array) -> tuple[Array, Array]:
-        """Mean sin² of half of the error left in each quarter, (..., 3), and numbers, by sums T, (..., 3, 16, 16)."""
-        base = _base(form, turned)
-        G = base @ T @ base.T
-        whole = G.sum(axis=-3)
-        others = whole[..., np.newaxis, :, :] - G
-        if turned in PAIRS:
-            best = _start_of_pair(whole.reshape(-1, *whole.shape[-2:])[0])
-            numbers, crossed = (_best_of_pair(sums, best) for sums in (whole, others))
-        else:
-            numbers = _best(whole)
-            crossed = _best(others)
-        return 1.0 - _value(crossed, G), numbers
-
-    def get(self, form: Form = (), turned: Turned = (), *, late: bool = False) -> Explanation:
-        """The explanation of a form with turns, with a lag or without."""
-        key = form, turned, late
-        if key not in self._known:
-            self._known[key] = self._with_lag(form, turned) if late else self._without_lag(form, turned)
-        return self._known[key]
-
-    def _without_lag(self, form: Form, turned: Turned) -> Explanation:
-        left, numbers = self.judged(form, turned, self._ahead)
-        return Explanation(form, turned, left[np.argmin(left.mean(axis=1))], numbers[0])
-
-    @cached_property
-    def _scanned(self) -> dict[tuple[Form, Turned], Array]:
-        """Mean sin² of half of the error that each form leaves, with each turn of `LATE`, at each lag tried."""
-        T = self.sums(self._lags, most=100).mean(axis=1)
-        return {
-            (form, turned): 1.0 - np.linalg.eigvalsh(_base(form, turned) @ T @ _base(form, turned).T)[..., -1]
-            for turned in LATE
-            for form in FORMS
-        }
-
-    def _with_lag(self, form: Form, turned: Turned) -> Explanation:
-        """The explanation with the smallest of the lags that leave about the least error."""
-        if turned in BY_RATES:
-            near = [
-                self._at_lag(form, turned, lag_s, 0.5 * WINDOW / self.fastest) for lag_s in self.lags_of_rates or [0.0]
-            ]
-            return min(near, key=lambda e: floored(e.left).mean())
-        lags = self._lags
-        cost = self._scanned[form, turned]
-        lowest = [k for k in valleys(cost) if cost[k] <= cost.min() + self._slack]
-        by_size = sorted(lowest, key=lambda k: abs(lags[k]))
-        step = float(lags[1] - lags[0])
-        found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(lowest[:4], by_size[:4])]
-        least = min(floored(e.left).mean() for e in found)
-        as_good = [e for e in found if floored(e.left).mean() <= TIE**2 * least]
-        return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
-
-    def _at_lag(self, form: Form, turned: Turned, lag_s: float, step: float) -> Explanation:
-        """The explanation with a refined lag: vertices of parabolas through three lags, ever nearer ones."""
-        base = _base(form, turned)
-        for _ in range(4):
-            three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
-            G = base @ self.sums(three) @ base.T
-            whole = G.sum(axis=1)
-            shift = _vertex(3.0 - _largest(turned, whole))
-            lag_s = float(np.clip(three[1] + shift * step, three[0], three[2]))
-            step = step / 5.0
-        others = 2.0 - _largest(turned, whole[:, np.newaxis] - G)
-        crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
-        T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
-        left, numbers = self.judged(form, turned, T)
-        return Explanation(
-            form, turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far=abs(lag_s) * self.fastest > np.pi
-        )
-
-    @cached_property
-    def lags_of_rates(self) -> list[float]:
-        """The two likeliest lags by how fast the estimate turns, s; see `lags_of_rates`."""
-        return lags_of_rates(self.whole, self.longest_lag_s)[:2]
-
-    @cached_property
-    def tried(self) -> list[Explanation]:
-        """Explanations that may be the best, the cheapest first."""
-        found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
-        turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
-        found += [self.get(form, pair) for form in list(turnable)[:6] for pair in PAIRS]
-        if min(e.error for e in found) > OF_SENSORS and self.lags_of_rates:
-            found += [self.get(form, turned, late=True) for form in list(turnable)[:2] for turned in BY_RATES]
-        lowest = min(e.cost for e in found)
-        trials = [
-            Explanation(form, turned, np.array([costs.min() - self._slack]), np.zeros(0), 0.0)
-            for (form, turned), costs in self._scanned.items()
-        ]
-        promising = sorted((e for e in trials if e.cost < lowest), key=lambda e: e.cost)
-        found += [self.get(e.form, e.turned, late=True) for e in promising[:8]]
-        return sorted(found, key=lambda e: e.cost)
-
-    def choice(self) -> Choice:
-        """Choose the causes of the errors by the one rule."""
-        plain = self.get()
-        of_sensors = False
-        allowed = {*BY_CODE, "lag"}
-        for e in self.tried[: self.tried.index(plain)]:
-            if not allowed.issuperset(e.causes):
-                continue
-            if e.lag_s is not None and abs(e.lag_s) > FULL * self.longest_lag_s:
-                return Choice(plain, of_sensors, at_limit=True)
-            if self.is_needed(e):
-                is_lead = not e.form and self.lead[0] > 0.0 and self.lead[1] <= TIE * max(e.error, NEGLIGIBLE)
-                if not is_lead and not self.is_small(e):
-                    return Choice(e, of_sensors, converging=not self.is_constant(e))
-                allowed = {*e.causes}  # what is left without the small turn is of its other causes
-                of_sensors |= self.left_by_sensors > 0.0 and not is_lead
-        return Choice(plain, of_sensors)
-
-    @cached_property
-    def lead(self) -> tuple[float, float]:
-        """Error that a filter has which compares readings with the attitude before its gyro step, and what it leaves.
-
-        Such a filter is drawn toward an attitude one sample ahead. Its error is the body rate in the world times the
-        period, low-passed with the time constant of its corrections. That is fitted, with a matrix, as gains about the
-        axes of the world differ. Both are RMS, rad. The first is 0 where the lead is less than half a sample in the
-        mean, more than `LEAD`, or leaves more than `SHARE` of the error.
-        """
-        few = self.whole.thinned(MAX_OF_LEAD)
-        truth, rate = few.truth.states(few.stamps_ns)
-        error = error_vectors(few.attitude_xyzw, truth)
-        settled = slice(len(error) // 4, None)
-        span_s = float(few.stamps_ns[-1] - few.stamps_ns[0]) / 1e9
-        turns = np.fft.rfft(quaternion.rotate(truth, rate) * self.period_s, axis=0)
-        frequency = np.fft.rfftfreq(len(error), span_s / max(len(error) - 1, 1))[:, np.newaxis]
-        before = rms(norm(error[settled]))
-        best = (0.0, before)
-        for tau_s in [0.0, *np.geomspace(self.period_s, max(span_s, self.period_s), 12)]:
-            moved = np.fft.irfft(turns / (1.0 + 2j * np.pi * frequency * tau_s), len(error), axis=0)[settled]
-            share = np.linalg.lstsq(moved, error[settled], rcond=1e-6)[0]
-            led = moved @ share
-            left = rms(norm(error[settled] - led))
-            is_lead = np.trace(share) > 3.0 * MIN_LATE and np.linalg.norm(share, 2) < LEAD
-            if is_lead and left < min(best[1], SHARE * before):
-                best = (rms(norm(led)), left)
-        return best
-
-    def is_constant(self, explanation: Explanation) -> bool:
-        """Whether no constant shrinks from the first third to the last, as in an estimate that still converges.
-
-        The first quarter does not count. Constants are fitted to `BLOCKS` parts of the rest, of which three are a
-        third. One shrinks if the means of these thirds differ by more than 3 standard errors, by the scatter in each.
-        The difference must exceed `SHRUNK` of it, the error that is left, and what the sensors' own errors leave. About
-        half of it must come by the middle third: what decays faster is no constant of three quarters.
-        """
-        settled = np.arange(len(self.track.stamps_ns))[len(self.track.stamps_ns) // 4 :]
-        fits = [fit([self.track[part]], explanation.parts) for part in np.array_split(settled, BLOCKS)]
-        for k, (cause, constants) in enumerate(explanation.parts):
-            if cause.price:
-                turn = self.root_mean_square_rate if cause.unit == "s" else 1.0
-                sizes = np.array([found[k][1] @ constants for found in fits]) * turn / float(np.linalg.norm(constants))
-                thirds = sizes.reshape(3, -1)
-                first, middle, last = thirds.mean(axis=1)
-                error = 3.0 * np.sqrt((np.var(thirds[0], ddof=1) + np.var(thirds[-1], ddof=1)) / 3.0)
-                halfway = abs(first - middle - 0.5 * (first - last)) < EVENLY * (first - last)
-                if halfway and first - last > max(error, SHRUNK * first, explanation.error, self.left_by_sensors):
-                    return False
-        return True
-
-    def without(self, explanation: Explanation, cause: str) -> Explanation:
-        """The explanation without one of its causes."""
-        return self.get(
-            tuple(part for part in explanation.form if part[0] != cause),
-            tuple(code for code in explanation.turned if code != cause),
-            late=explanation.lag_s is not None and cause != "lag",
-        )
-
-    def is_needed(self, explanation: Explanation) -> bool:
-        """Whether an explanation leaves little beside the body's turn, and needs each cause in each quarter."""
-        left = floored(explanation.left)
-        lag_s = explanation.lag_s
-        unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
-        # a constant fits a body that hardly turns, and a chain without one by chance: one of all in 0.2 % of turns
-        least = NEGLIGIBLE if len(explanation.causes) > len(explanation.form) else MAX_LEFT_BY_THREE
-        if left.mean() > max(unlike**2 * self.misfit_of_constant, np.sin(0.5 * least) ** 2) or not explanation.explains:
-            return False
-        is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
-        is_level = any(
-            cause.code == "world_turned" and self._is_level(explanation, quaternion.exp(c))
-            for cause, c in explanation.parts
-        )
-        many = "world_turned" in explanation.turned and len(explanation.causes) - len(explanation.form) > 1
-        if many and max(inflations(self.track, explanation.parts)) > MAX_INFLATION:
-            return False
-        if is_lead or is_level or (explanation.far and left.max() > UNEVEN_QUARTERS**2 * left.min()):
-            return False
-        shares = dict.fromkeys(explanation.causes, SHARE)
-        if lag_s is not None and abs(lag_s) >= MIN_LATE * self.period_s and not self.is_single_axis:
-            shares["lag"] = LAG_SHARE
-        return all(
-            np.all(left <= share**2 * floored(self.without(explanation, cause).left)) for cause, share in shares.items()
-        )
-
-    def _is_level(self, explanation: Explanation, turn: Array) -> bool:
-        """Whether a turn of the world is nearly a heading, which explains as well, or one of a world upside down."""
-        tilt = angles(turn).inclination
-        turned = tuple("heading_offset" if code == "world_turned" else code for code in explanation.turned)
-        level = self.get(explanation.form, turned, late=explanation.lag_s is not None)
-        return bool(tilt >= np.pi - MIN_TILT or (tilt <= MIN_TILT and level.explains))
-
-    def is_small(self, explanation: Explanation) -> bool:
-        """Whether a turn, or the turn in a lag that leaves some error, is no larger than what sensor errors leave."""
-        turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
-        is_late = explanation.lag_s is not None and (
-            explanation.error > FOLLOWING * self.without(explanation, "lag").error
-            and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
-        )
-        least = max(self.left_by_sensors, DISCRETISATION_ERROR * self.fastest * self.period_s)
-        return is_late or min(turns_rad, default=np.inf) <= least
-
-    def follows(self) -> bool:
-        """Whether up to three causes, sure or not, leave little error: the estimate then follows the body."""
-        most = FOLLOWING * self.get().error
-        # a turn of the world fits nearly anything beside a lag or a mounting
-        return any(
-            e.error <= most and e.explains
-            for e in self.tried
-            if 0 < len(e.causes) <= 3 and not ("world_turned" in e.turned and len(e.causes) - len(e.form) > 1)
-        )
-
-    def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
-        """The named explanation with a lag added, if its own fit of a lag gives about the same."""
-        if named.lag_s is not None or named.turned not in LATE or self.is_single_axis:
-            return named
-        found = self.get(named.form, named.turned, late=True)
-        same = found.lag_s is not None and abs(found.lag_s - lag_s) <= 0.25 * abs(lag_s)
-        return replace(found, lag_s=lag_s) if same and not self.is_small(found) else named
-
-    def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
-        """Causes that leave about as much error in the place of a named one."""
-        without = self.without(named, cause)
-        left = max(named.error, NEGLIGIBLE)
-        others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
-        found: dict[str, None] = {}
-        for other in others:
-            new = or_else(cause, named.causes, other.causes)
-            small = new == "lag" and without.error < OF_SENSORS
-            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
-            if new and max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
-                found[new] = None
-        return tuple(found)
-
-
-def _vertex(three: Array) -> float:
-    """Place of the minimum of a parabola through three equally spaced values, in steps from the middle, at most one."""
-    a, b, c = three.tolist()
-    bend = a - 2.0 * b + c
-    return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0

@@ -93,6 +93,11 @@ class Matched:
         return self[self.truth.covers(self.stamps_ns)]
 
     @cached_property
+    def rates(self) -> Array:
+        """True body rates at the stamps, rad/s, shape (N, 3)."""
+        return self.truth.states(self.stamps_ns)[1]
+
+    @cached_property
     def truth_xyzw(self) -> Array:
         """True attitudes at the stamps, shape (N, 4)."""
         return self.truth.at(self.stamps_ns)
@@ -160,7 +165,7 @@ def lags_of_rates(track: Matched, longest_s: float, most: int = 150) -> list[flo
     `WINDOW` are compared. A lag must leave less than a quarter of the variance of these angles.
     """
     truth = track.truth
-    rate = max(rms(norm(truth.states(track.thinned(most).stamps_ns)[1])), 1e-9)
+    rate = max(rms(norm(track.thinned(most).rates)), 1e-9)
     width = max(1, round(WINDOW / rate * 1e9 / max(period_ns(track.stamps_ns), 1)))
     if len(track.stamps_ns) < MIN_SAMPLES + width:
         return []

@@ -48,7 +48,7 @@ STUCK: Final = 0.01
 LONG: Final = 0.1
 """Least share of the run in which an estimate must be stuck for a finding, if it turns in other parts."""
 JUMP: Final = 3.0
-"""Least ratio of a jump to the body's turn in the same step, and to the steps within each of two attitudes."""
+"""Least ratio of a jump to the body's turn in the same step, and to what a jump and the next one leave."""
 MIN_MIXED: Final = 0.02
 """Least share of steps that are jumps from one of two attitudes to the other."""
 MAX_MISS: Final = 0.2
@@ -165,6 +165,7 @@ class Turns:
         q = track.attitude_xyzw
         self.stamps_ns = stamps
         self.estimate_xyzw = q
+        self.truth_xyzw = track.truth_xyzw
         self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * period_ns(stamps))
         self.ours, self.true = (
             relative_rotations(each[self.first], each[self.first + 1]) for each in (q, track.truth_xyzw)
@@ -193,24 +194,19 @@ class Turns:
             f"by {turn:.4g}°: see whether the filter gets its readings, and publishes what it makes of them.",
         )
 
-    def mixed(self, most: int = 4000) -> Remark | None:
+    def mixed(self) -> Remark | None:
         """Finding that the samples of the estimate belong to two attitudes in turns.
 
-        Each of `most` samples belongs to the nearer of the two attitudes that came last.
+        A jump leads from one of them to the other, and the next one leads back. So from the sample before a jump to
+        the one after the next jump the estimate rotates as far as the body.
         """
-        q = self.estimate_xyzw
         jumps = self.ours_rad > np.maximum(MIN_TURN, JUMP * self.true_rad)
-        if np.count_nonzero(jumps) < max(MIN_SAMPLES, MIN_MIXED * len(jumps)):
+        if np.count_nonzero(jumps) <= max(MIN_SAMPLES, MIN_MIXED * len(jumps)):
             return None
-        first = int(self.first[np.argmax(jumps)])
-        tracks = [first], [first + 1]
-        for k in range(first + 2, min(first + most, len(q))):
-            near = [abs(float(q[k] @ q[track[-1]])) for track in tracks]
-            tracks[near[1] > near[0]].append(k)
-        switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))
         jump = float(np.median(self.ours_rad[jumps]))
-        within = [angles_between(q[track[:-1]], q[track[1:]]) for track in tracks]
-        if min(switches, *map(len, tracks)) < MIN_SAMPLES or max(np.percentile(a, 90) for a in within) * JUMP > jump:
+        at = self.first[jumps]
+        ours, true = (angles_between(q[at[:-1]], q[at[1:] + 1]) for q in (self.estimate_xyzw, self.truth_xyzw))
+        if np.percentile(np.abs(ours - true), 90) * JUMP > jump:
             return None
         return Remark(
             "mixed",

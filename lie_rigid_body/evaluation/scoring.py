@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, unit
 from lie_rigid_body.evaluation.attitudes import Truth, period_ns
-from lie_rigid_body.evaluation.causes import MIN_COVERED, Part, fit, inflations, late, undone
+from lie_rigid_body.evaluation.causes import MIN_COVERED, Part, Parts, fit, inflations, late, undone
 from lie_rigid_body.evaluation.clock import SIGNIFICANT, Lag, lag_of, other_clock, standard_error
 from lie_rigid_body.evaluation.consistency import consistency_of
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
-from lie_rigid_body.evaluation.explanations import LEAD, MAX_INFLATION, PAIRS, SHARE, TIE, Choice, Evidence, Explanation
+from lie_rigid_body.evaluation.evidence import LEAD, MAX_INFLATION, TIE, Choice, Evidence
+from lie_rigid_body.evaluation.explanations import PAIRS, SHARE, Explanation
 from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched, floored, lags_of_rates
 from lie_rigid_body.evaluation.score import BiasEstimate, BoundComparison, Finding, Score, ScoreNote
 from lie_rigid_body.evaluation.statistics import (
@@ -47,6 +48,8 @@ MAX_FAR: Final = 3
 UNHEARD: Final = 20.0
 """Number of samples from which on a lag may be that of a filter without a gyro, whose time constant it is then."""
 
+NOTHING: Final = Choice(Explanation((), (), np.ones(3), np.zeros(0)), of_sensors=False)
+"""Choice where there are too few samples."""
 NO_GRAVITY: Final = (
     "The accelerometer of this run reads no gravity (accelerometer_mode: free_fall), so no filter can take the "
     "vertical from it: give accelerometer_mode pivot_gravity, or a filter that does without it."
@@ -322,28 +325,25 @@ def diagnose(
         return Diagnosis(findings=(Finding(*remark, rms(error)),))
     longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, float(stamps[-1] - stamps[0]) / 4e9)
     evidence = _evidence(track, longest_s, left_by_sensors)
-    choice = evidence.choice() if evidence else None
-    named = choice.named if choice else None
-    causes = {*named.causes} if named else set[str]()
-    at_limit = bool(choice and choice.at_limit)
-    lost = unlike and not causes and not (evidence and evidence.follows())
-    # a motion that nearly repeats has a near lag or a turn for each far lag
-    near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
+    choice = evidence.choice() if evidence else NOTHING
+    named = choice.named
+    lost = unlike and not named.causes and not (evidence and evidence.follows())
+    # a motion that nearly repeats has a near lag or a rotation for each far lag
+    near = unlike and bool({"world_turned", "body_mounting", "lag"} & {*named.causes})
+    may_be_far = lost or near or choice.at_limit
     beyond_s = 0.9 * longest_s if longest_lag_s is None else np.inf
-    other = other_clock(whole, beyond_s, rates=lost) if lost or near or at_limit else None
-    most = (TIE if "lag" in causes or named.turned == PAIRS[1] else 0.5) * named.error if named and near else np.inf
+    other = other_clock(whole, beyond_s, rates=lost) if may_be_far else None
+    most = (TIE if "lag" in named.causes or named.turned == PAIRS[1] else 0.5) * named.error if near else np.inf
     if other and rms(other[1].error().total) <= most:
         part, moved = other
         after = np.degrees(moved.error().total)
         lag = Lag() if part[0].code == "clock_rate" else Lag(float(part[1][0]), standard_error(moved, [late(0.0)]))
         return Diagnosis(lag, (_finding(part, _errors(whole, []), after, whole.known()),))
-    if named and (lost or near or at_limit) and beyond_s < np.inf:
-        far = _far(whole, named, longest_s, left_by_sensors)
-        if far:
-            return far
-    if not evidence or not choice or not named:
+    if not evidence:
         return Diagnosis()
-    lag = Lag() if at_limit else lag_of(evidence.whole, named, longest_s, evidence.period_s)
+    if may_be_far and beyond_s < np.inf and (far := _far(whole, named, longest_s, left_by_sensors)):
+        return far
+    lag = Lag() if choice.at_limit else lag_of(evidence.whole, named, longest_s, evidence.period_s)
     named = named if lag.lag_s is None or not lag.sure else evidence.with_lag(named, lag.lag_s)
     told = _in_words(track, evidence, named, named.parts) if named.causes else ()
     # a gyro on other axes is the same map as three conventions and a turned world, and has the simpler name
@@ -401,7 +401,7 @@ def _ahead(evidence: Evidence, choice: Choice, lag: Lag) -> tuple[ScoreNote, ...
 
 
 def _in_words(
-    track: Matched, evidence: Evidence, named: Explanation, parts: Sequence[Part], most: int = 2000
+    track: Matched, evidence: Evidence, named: Explanation, parts: Parts, most: int = 2000
 ) -> tuple[Finding, ...]:
     """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
@@ -426,7 +426,7 @@ def _in_words(
     return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
 
 
-def _errors(track: Matched, parts: Sequence[Part]) -> Array:
+def _errors(track: Matched, parts: Parts) -> Array:
     """Errors without some causes where the truth is known, degrees."""
     return np.asarray(np.degrees(undone(track, parts).known().error().total))
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from operator import itemgetter
 from typing import Final
 
 import numpy as np
@@ -238,13 +237,11 @@ class Tally:
         self._squares += np.sum(angles_deg**2, axis=1)
         self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
         t_s = (stamps_ns - self._first_ns) / 1e9
-        latest = [
-            (float(t_s[np.argmax(late_deg)]), float(late_deg.max()))
-            for start, _ in self.limits.max_after
-            for late_deg in [np.where(t_s >= start, angles_deg[0], -np.inf)]
-        ]
-        # of as large ones the first counts
-        self._worst = [max(pair, key=itemgetter(1)) for pair in zip(self._worst, latest, strict=True)]
+        for number, (start, _) in enumerate(self.limits.max_after):
+            late_deg = np.where(t_s >= start, angles_deg[0], -np.inf)
+            largest = int(np.argmax(late_deg))
+            if late_deg[largest] > self._worst[number][1]:  # of as large ones the first counts
+                self._worst[number] = float(t_s[largest]), float(late_deg[largest])
 
     @property
     def span_s(self) -> float:

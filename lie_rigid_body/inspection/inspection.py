@@ -64,7 +64,7 @@ class Inspection(Shown):
     _truth: AgainstTruth | None = None
 
     def __str__(self) -> str:
-        """What ``inspect`` prints."""
+        """Lines that ``inspect`` prints."""
         return str(report("inspections").as_text(self))
 
     @property

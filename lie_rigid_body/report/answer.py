@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -88,9 +88,11 @@ _NUMBER: Final = re.compile(r"(?:[-+]?\d\S*(?: \S+)?)?")
 """A number, perhaps with its unit, or nothing."""
 Part: TypeAlias = Conclusion | Sentences | Table | Picture | Details
 """Parts that an answer is made of."""
+Parts: TypeAlias = Sequence[Part]
+"""Answer, part by part."""
 
 
-def as_text(parts: Iterable[Part], title: str = "") -> str:
+def as_text(parts: Parts, title: str = "") -> str:
     """Lines for a terminal, which wraps those that are longer than itself; without a final newline."""
     blocks = [[printable(title)] if title else [], *map(_lines, parts)]
     return "\n\n".join("\n".join(block) for block in blocks if block)
@@ -120,7 +122,7 @@ def columns(rows: Sequence[Sequence[str]]) -> list[str]:
     return ["  ".join(line).rstrip() for line in zip(*padded, strict=True)]
 
 
-def as_html(parts: Iterable[Part], *, pictures: bool = True) -> list[str]:
+def as_html(parts: Parts, *, pictures: bool = True) -> list[str]:
     """HTML of each part, in a notebook without pictures."""
     return [_html(part) for part in parts if pictures or not isinstance(part, Picture | Details)]
 
@@ -143,6 +145,6 @@ def _html(part: Part) -> str:
             return html_page.details(summary, content)
 
 
-def as_page(title: str, parts: Iterable[Part], *, with_figures: bool = False) -> bytes:
+def as_page(title: str, parts: Parts, *, with_figures: bool = False) -> bytes:
     """Page that shows an answer; see `html_page.document`."""
     return html_page.document(title, as_html(parts), with_figures=with_figures)

@@ -16,9 +16,10 @@ from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.report import answer
-from lie_rigid_body.report.answer import Part, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import DISTINCT
 from lie_rigid_body.report.html_page import (
+    Look,
     axis,
     drawn,
     figure,
@@ -49,11 +50,11 @@ Varied = Mapping[int, Mapping[str, Any]]
 
 
 def as_text(comparison: Comparison) -> str:
-    """Answer for a terminal."""
-    return answer.as_text(_parts(comparison))
+    """Answer for a terminal: the estimators, each two of them, and sentences on grids, covariances and failures."""
+    return answer.as_text([*_table(comparison), *_pairs(comparison), Sentences([*_sentences(comparison)])])
 
 
-def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[Part]:
+def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> Parts:
     """Answer for a page, with figures and the commands of the worst runs."""
     shown = [*zip(comparison.summaries, cycle(DISTINCT), strict=False)]
     return [
@@ -67,18 +68,13 @@ def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[Pa
     ]
 
 
-def _parts(comparison: Comparison) -> list[Part]:
-    """Table of the estimators, matrix of the pairs, and sentences on grids, covariances and failures."""
-    return [*_table(comparison), *_pairs(comparison), Sentences([*_sentences(comparison)])]
-
-
-def _table(comparison: Comparison) -> list[Part]:
+def _table(comparison: Comparison) -> Parts:
     summaries = comparison.summaries
     failed = {number for number, one in enumerate(summaries) if one.failed.any()}
     return [Table(_COLUMNS, [_cells(one) for one in summaries], "Estimators", failed), Sentences([_HEAD])]
 
 
-def _pairs(comparison: Comparison) -> list[Part]:
+def _pairs(comparison: Comparison) -> Parts:
     """Ratios of the errors of each two estimators: a sentence of two estimators, a matrix of more."""
     found = comparison.differences
     if len(found) <= 1:
@@ -258,7 +254,7 @@ def _are_numbers(values: Iterable[object]) -> bool:
     return all(type(value) in (int, float) for value in values)
 
 
-def _band(t_s: Array, one: EstimatorSummary, colour: str) -> Iterator[dict[str, Any]]:
+def _band(t_s: Array, one: EstimatorSummary, colour: str) -> Iterator[Look]:
     """Lines of the median and of the 5th and 95th percentile of the error."""
     known = ~np.isnan(one.curve_deg).all(axis=0)
     for share, width in ((0.05, 0.6), (0.95, 0.6), (0.5, 2.2)):
@@ -266,7 +262,7 @@ def _band(t_s: Array, one: EstimatorSummary, colour: str) -> Iterator[dict[str, 
         yield line(points, one.name, colour, width, legendgroup=one.name, showlegend=share == 0.5)
 
 
-def _scale(title: str, values: Array) -> dict[str, Any]:
+def _scale(title: str, values: Array) -> Look:
     """Axis of errors, logarithmic where the largest is more than 30 times the smallest."""
     positive = values[np.isfinite(values) & (values > 0.0)]
     if len(positive) and positive.max() > 30.0 * positive.min():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -11,10 +11,10 @@ import numpy as np
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.foundation.wording import counted, numerals
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.report import answer, figures, html_page
-from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
-from lie_rigid_body.report.recorded_motion import RecordedSegment, ResidualsOverTime
+from lie_rigid_body.report.answer import Conclusion, Details, Part, Parts, Picture, Sentences, Table
+from lie_rigid_body.report.recorded_motion import Pieces, ResidualsOverTime, in_words
 from lie_rigid_body.scenario.facts import facts
 
 _HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
@@ -34,7 +34,7 @@ def page(
     bag: str,
     certificate: Certificate,
     residuals: ResidualsOverTime,
-    pieces: Sequence[RecordedSegment],
+    pieces: Pieces,
     proof: Proof | None = None,
 ) -> bytes:
     """Answer as a page.
@@ -60,7 +60,7 @@ def page(
     )
 
 
-def parts(certificate: Certificate, proof: Proof | None = None) -> list[Part]:
+def parts(certificate: Certificate, proof: Proof | None = None) -> Parts:
     """Answer about a certificate: to what accuracy it holds or what is broken, the laws, and what it leaves out."""
     first, *others = _verdict(certificate)
     return [
@@ -144,19 +144,10 @@ def _table(laws: Iterable[tuple[LawResult, float | None]], heading: str = "") ->
 def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:
     """Sentence about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
-    steps = f"moving_chart {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
-    motion = (
-        f"inertia [{numerals(scenario.inertia)}] kg m², initial body rate "
-        f"[{numerals(scenario.initial_body_rate)}] rad/s, "
-        f"{steps if scenario.motion == 'moving_chart' else scenario.motion}"
-    )
-    if path := scenario.path():
-        motion = f"a path through {counted(len(path), 'knot')}"
+    others = "".join(f"; {name}: {phrase}" for name, phrase in facts(scenario).items())
     return (
         f"Segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
-        f"from {certificate.segment.start_ns} ns, {motion}"
-        + "".join(f"; {name}: {phrase}" for name, phrase in facts(scenario).items())
-        + "."
+        f"from {certificate.segment.start_ns} ns, {in_words(scenario)}{others}."
     )
 
 
@@ -179,7 +170,7 @@ def of_limit(worst: float, limit: float) -> str:
     return f"{worst / limit:.2g}" if limit > 0.0 else f"{worst:.2g} of 0" if worst != 0.0 else "0"
 
 
-def _residuals(certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]) -> str:
+def _residuals(certificate: Certificate, residuals: ResidualsOverTime, pieces: Pieces) -> str:
     """HTML of the residuals over time."""
     panels = list(figures.residuals_over_time(certificate, residuals, pieces))
     what = html_page.paragraph(
@@ -269,16 +260,5 @@ def _arc(certificate: SegmentCertificate, law: LawResult) -> dict[str, Any]:
 
 
 def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
-    return {
-        "name": law.name,
-        "unit": law.unit,
-        "holds": law.holds,
-        "worst": law.worst,
-        "limit": law.limit,
-        "sample": law.sample,
-        "stamp_ns": law.stamp_ns,
-        "time_s": time_s,
-        "broken": law.broken,
-        "checked": law.checked,
-        "message": law.message,
-    }
+    names = ("name", "unit", "holds", "worst", "limit", "sample", "stamp_ns", "broken", "checked", "message")
+    return {name: getattr(law, name) for name in names} | {"time_s": time_s}

@@ -17,6 +17,7 @@ from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.report.drawing import COLOURS, GREY, RED, svg
 from lie_rigid_body.report.html_page import (
     Figure,
+    Look,
     axis,
     coordinates,
     drawn,
@@ -31,6 +32,7 @@ from lie_rigid_body.report.recorded_motion import (
     FEW_SAMPLES,
     MAX_RESETS,
     LawOverTime,
+    Pieces,
     RecordedSegment,
     ResidualsOverTime,
     extremes,
@@ -74,14 +76,12 @@ _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
 """Numbers of a box's corners along a path through all its edges."""
 _NONE: Final = np.zeros((1, 3))
 
-_MIN_SPAN: Final = 0.3
-"""Least span of a distribution, decades."""
 _BEYOND: Final = 10.0
 """Height at which infinite residuals are drawn, as a multiple of the largest finite one."""
-_LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
+_LIMIT: Final[Look] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
 
 
-def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
+def resets(pieces: Pieces) -> list[Look]:
     """Lines at the resets, for a layout; none where there are too many."""
     t = reset_times(pieces)
     look = {"color": "black", "width": 1, "dash": "dash"}
@@ -89,7 +89,7 @@ def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
     return shapes if len(shapes) <= MAX_RESETS else []
 
 
-def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
+def sections(pieces: Pieces) -> Iterator[str]:
     """HTML of all figures of a recording, of whose segments each has a sample."""
     first = pieces[0]
     whose = " of the first segment" if len(pieces) > 1 else ""
@@ -122,7 +122,7 @@ def _polhode(piece: RecordedSegment, whose: str) -> str:
     return f"<figure><h3>Polhode{whose}</h3>{svg(partial(polhode, piece))}{below}</figure>"
 
 
-def over_time(pieces: Sequence[RecordedSegment], vectors: Sequence[Array], name: str, label: str) -> Figure:
+def over_time(pieces: Pieces, vectors: Sequence[Array], name: str, label: str) -> Figure:
     """Components of vectors, shape (N, 3) of each piece, over time."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     few = {"mode": "markers" if len(t) <= FEW_SAMPLES else "lines", "cliponaxis": True}
@@ -134,7 +134,7 @@ def over_time(pieces: Sequence[RecordedSegment], vectors: Sequence[Array], name:
     return drawn(traces, xaxis=time, yaxis=axis(label), shapes=resets(pieces))
 
 
-def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:
+def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> Look:
     """Line through the extremes of values over time, with a mark at each of 50 points at most."""
     marks = {"mode": "lines+markers" if len(t) <= 50 else "lines", "marker": {"color": colour, "size": 5}}
     points = np.stack([t, values], axis=-1)[extremes(t, values)]
@@ -165,7 +165,7 @@ def herpolhode(piece: RecordedSegment) -> Figure | None:
         mark(np.zeros(2), "angular momentum", color=GREY, symbol="x"),
     ]
     reach = 1.1 * max(float(np.abs(points).max()), 1e-3 * fastest)
-    look: dict[str, Any] = {"range": [-reach, reach], "constrain": "domain", "nticks": 6}
+    look: Look = {"range": [-reach, reach], "constrain": "domain", "nticks": 6}
     upwards = axis("[rad/s]", scaleanchor="x", **look)
     return drawn(traces, xaxis=axis("ω across L [rad/s]", **look), yaxis=upwards, showlegend=False)
 
@@ -260,11 +260,11 @@ def _cross(length: float) -> Array:
     return np.stack([np.zeros((3, 3)), length * np.eye(3), np.full((3, 3), np.nan)], axis=1).reshape(9, 3)
 
 
-def _places(points: Array) -> dict[str, Any]:
+def _places(points: Array) -> Look:
     return {name: np.round(points[:, i], 3) for i, name in enumerate("xyz")}
 
 
-def _arrow(points: Array, name: str, colour: str) -> dict[str, Any]:
+def _arrow(points: Array, name: str, colour: str) -> Look:
     marker = {"size": [0, 5], "color": colour, "symbol": "diamond", "line": {"width": 0}}
     return line(points, name, colour, 8, mode="lines+markers", marker=marker, hoverinfo="name")
 
@@ -299,9 +299,7 @@ _LOOKS: Final = (
 """Looks of what moves, in the order of `_moving`."""
 
 
-def residuals_over_time(
-    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
-) -> Iterator[str]:
+def residuals_over_time(certificate: Certificate, residuals: ResidualsOverTime, pieces: Pieces) -> Iterator[str]:
     """Draw the largest residuals of each law over time, beside their limits.
 
     Parameters
@@ -328,7 +326,7 @@ def residuals_over_time(
             yield figure(law.name, drawn(traces, xaxis=time, yaxis=size, shapes=resets(pieces), showlegend=False))
 
 
-def _traces(worst: LawResult, law: LawOverTime, origin_ns: int) -> Iterator[dict[str, Any]]:
+def _traces(worst: LawResult, law: LawOverTime, origin_ns: int) -> Iterator[Look]:
     """Curve of a law, marks at what is broken and at the worst, and its limit, if it has a residual but 0."""
     t, residuals, limit, broken = law.series(origin_ns)
     if not (residuals > 0.0).any():
@@ -349,7 +347,7 @@ def _traces(worst: LawResult, law: LawOverTime, origin_ns: int) -> Iterator[dict
 
 
 def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
-    """Draw how often each size of the worst residual occurs among many bags, beside the limits.
+    """Draw how many of many bags have a worst residual up to each size, beside the limits.
 
     Parameters
     ----------
@@ -373,24 +371,17 @@ def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> 
             yield figure(name, _distribution(residuals[shown], limits[shown], limits, whose), caption)
 
 
-def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
-    """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
-    low = np.log10(residuals.min())
-    high = np.log10(residuals.max())
-    widen = max(0.0, _MIN_SPAN - (high - low)) / 2.0 + 1e-9
-    edges = np.logspace(low - widen, high + widen, 31)  # of 30 bars
-    traces: list[dict[str, Any]] = []
-    beyond = residuals > own
-    for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):
-        counts, _ = np.histogram(residuals[which], edges)
-        if counts.any():
-            bars = {"x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts}
-            traces.append({"type": "bar", "marker": {"color": colour}, "name": label, **bars})
-    top = max(int(np.max(trace["y"])) for trace in traces)
-    least = float(limits.min())
-    most = float(limits.max())
-    corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
-    area = {**line(corners, "limits", GREY, 1.4), "fill": "toself"}
-    traces.append({**(line(corners[:2], "limit", GREY, 1.4) if least == most else area), **_LIMIT})
-    size = logarithmic("worst residual", np.append(edges, limits))
-    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"), barmode="stack", bargap=0)
+def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> Look:
+    """Number of residuals up to each size, with marks at those beyond their own limits, and the limits of all."""
+    order = np.argsort(residuals)
+    points = np.column_stack([residuals[order], np.arange(1, len(order) + 1)])
+    beyond = points[(residuals > own)[order]]
+    ends = limits[[np.argmin(limits), np.argmax(limits)]]
+    corners = np.column_stack([np.repeat(ends, 2), [0.0, len(order), len(order), 0.0]])
+    traces = [
+        line(points, "worst residuals", COLOURS[2], 1.4, mode="lines+markers"),
+        line(beyond, "beyond the limit", RED, 1.0, mode="markers", showlegend=len(beyond) > 0),
+        {**line(corners, "limits", GREY, 1.4), "fill": "toself", **_LIMIT},
+    ]
+    size = logarithmic("worst residual, up to", np.append(residuals, limits))
+    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"))

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from lie_rigid_body.diagnosis import FilterDiagnosis
-from lie_rigid_body.diagnosis.examination import degrees
+from lie_rigid_body.diagnosis.filter_diagnosis import degrees
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.league.table import angle, rank_with_ties
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
 from lie_rigid_body.report.html_page import escaped
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
 
 
-def parts_of_diagnosis(found: FilterDiagnosis) -> list[Part]:
+def parts_of_diagnosis(found: FilterDiagnosis) -> Parts:
     """Answer about what is wrong with a filter."""
     return [
         Conclusion(found.sentences, found.passed),
@@ -85,7 +85,7 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
     return figure
 
 
-def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> list[Part]:
+def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
     """Answer about the place of one's own rows in the league; they are marked."""
     rows = (*table.rows, table.bound)
     marked = {number for number, row in enumerate(rows) if row in own}

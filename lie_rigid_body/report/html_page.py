@@ -21,6 +21,8 @@ from lie_rigid_body.simulation import Segment
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
 
+Look = dict[str, Any]
+"""A trace, an axis or a figure of plotly.js."""
 Figure = Mapping[str, Any]
 """A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
 
@@ -180,7 +182,7 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
     )
 
 
-def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> dict[str, Any]:
+def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> Look:
     """Figure of plotly.js: room for the axes and for a legend above them, and no more."""
     return {
         "data": traces,
@@ -195,7 +197,7 @@ def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> dict[str, Any]:
     }
 
 
-def axis(title: str, **more: Any) -> dict[str, Any]:
+def axis(title: str, **more: Any) -> Look:
     """Axis of a plane figure."""
     return {
         "title": {"text": title, "standoff": 6},
@@ -211,7 +213,7 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
     }
 
 
-def logarithmic(title: str, values: Array) -> dict[str, Any]:
+def logarithmic(title: str, values: Array) -> Look:
     """Axis of powers of ten, of whole decades around positive values."""
     found = np.log10(values[np.isfinite(values) & (values > 0.0)])
     low = int(np.floor(found.min()))
@@ -219,7 +221,7 @@ def logarithmic(title: str, values: Array) -> dict[str, Any]:
     return axis(title, type="log", range=[low, high], dtick=-(-(high - low) // _MARKS), exponentformat="power")
 
 
-def line(points: Array, name: str, colour: str, width: float, **more: Any) -> dict[str, Any]:
+def line(points: Array, name: str, colour: str, width: float, **more: Any) -> Look:
     """Line through points of shape (N, 2) or (N, 3), in a plane or in space."""
     return {
         "type": "scatter3d" if points.shape[-1] == 3 else "scatter",
@@ -231,12 +233,12 @@ def line(points: Array, name: str, colour: str, width: float, **more: Any) -> di
     }
 
 
-def mark(point: Array, name: str, **look: Any) -> dict[str, Any]:
+def mark(point: Array, name: str, **look: Any) -> Look:
     """Mark at a point of shape (2,) or (3,)."""
     return line(point[np.newaxis], name, "black", 1, mode="markers", marker=look)
 
 
-def coordinates(points: Array) -> dict[str, Any]:
+def coordinates(points: Array) -> Look:
     """Components of points of shape (..., 2) or (..., 3) by the names of the axes.
 
     They have six digits, which take less room in a page and are as many as a screen needs.

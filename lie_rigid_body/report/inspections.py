@@ -16,7 +16,7 @@ from lie_rigid_body.inspection.findings import HOW
 from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
-from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
 from lie_rigid_body.report.recorded_motion import extremes
 from lie_rigid_body.runs import Run
@@ -47,7 +47,7 @@ _SHOWN: Final = {
 """Parameters that a log may show: sensors, and the ends of the names."""
 
 
-def parts_of_inspection(found: Inspection) -> list[Part]:
+def parts_of_inspection(found: Inspection) -> Parts:
     """Answer about what is wrong with a log."""
     log = found.run.log
     rows = [

@@ -7,7 +7,7 @@ from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.evaluation.score import Score
 from lie_rigid_body.inspection import Inspection
 from lie_rigid_body.report import certificates, filters, inspections, scores
-from lie_rigid_body.report.answer import Part, Sentences, Table, as_html
+from lie_rigid_body.report.answer import Parts, Sentences, Table, as_html
 from lie_rigid_body.runs import Run
 
 
@@ -27,7 +27,7 @@ def html(result: Score | Certificate | FilterDiagnosis | Inspection | Run) -> st
     return "".join(as_html(parts, pictures=False))
 
 
-def _of_run(run: Run) -> list[Part]:
+def _of_run(run: Run) -> Parts:
     """Time that a run covers, and the arrays that it has."""
     t_s = run.t_s
     span = f"{t_s[-1] - t_s[0]:.6g} s from {t_s[0]:.13g} s on" if len(t_s) else "nothing"

@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from lie_rigid_body.certificate import Certificate, LawResult
+from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, printable
 from lie_rigid_body.report import answer, certificates, figures, html_page
-from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.system import console
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
@@ -54,18 +54,22 @@ class Verdict:
         return console.SUCCESS if self.certificate.passed else console.BROKEN
 
 
-def as_table(verdicts: Sequence[Verdict]) -> str:
+Verdicts = Sequence[Verdict]
+"""Verdicts in the order in which the bags were given."""
+
+
+def as_table(verdicts: Verdicts) -> str:
     """Answer for a terminal."""
     return answer.as_text(_parts(verdicts))
 
 
-def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
+def page_of_verdicts(title: str, verdicts: Verdicts) -> bytes:
     """Answer as a page, of at least one bag or body that has a certificate."""
     curves = Picture(lambda: "".join(_distributions(kind_of(verdicts), verdicts)))
     return answer.as_page(title, [*_parts(verdicts), curves], with_figures=True)
 
 
-def _parts(verdicts: Sequence[Verdict]) -> list[Part]:
+def _parts(verdicts: Verdicts) -> Parts:
     """Answer about many bags: how many there are of each verdict, a row for each, what is broken or left out."""
     passed = all(verdict.status == console.SUCCESS for verdict in verdicts)
     judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
@@ -85,7 +89,7 @@ def _parts(verdicts: Sequence[Verdict]) -> list[Part]:
     ]
 
 
-def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
+def as_json(verdicts: Verdicts) -> dict[str, object]:
     """Data for JSON: numbers of the verdicts, and for each bag or body what it has alone."""
     counts = Counter(verdict.status for verdict in verdicts)
     return {
@@ -105,18 +109,14 @@ def _cells(verdict: Verdict) -> tuple[str, ...]:
     if certificate is None:
         return _VERDICTS[verdict.status], "", "", "", "", verdict.name
     samples = sum(segment.samples for segment in certificate.segments)
-    worst = _worst_law(certificate)
+    # that came nearest to its limit, or went farthest beyond
+    worst = max(certificate.laws, key=lambda law: (not law.holds, law.share))
     accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
     of_limit = certificates.of_limit(worst.worst, worst.limit)
     return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, of_limit, verdict.name
 
 
-def _worst_law(certificate: Certificate) -> LawResult:
-    """Law that came nearest to its limit, or went farthest beyond."""
-    return max(certificate.laws, key=lambda law: (not law.holds, law.share))
-
-
-def _summary(verdicts: Sequence[Verdict]) -> str:
+def _summary(verdicts: Verdicts) -> str:
     number = counted(len(verdicts), "bag") if kind_of(verdicts) == "bags" else f"{len(verdicts)} bodies"
     right = [
         verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate and not verdict.status
@@ -132,12 +132,12 @@ def _summary(verdicts: Sequence[Verdict]) -> str:
     )
 
 
-def kind_of(verdicts: Sequence[Verdict]) -> str:
+def kind_of(verdicts: Verdicts) -> str:
     """Noun in the plural for what the verdicts are on."""
     return "bodies" if any(verdict.body is not None for verdict in verdicts) else "bags"
 
 
-def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
+def uncovered(verdicts: Verdicts) -> list[str]:
     """Sentences about what no law speaks of in some bags, each once, with the name of its bag or how many have it."""
     found: dict[str, list[tuple[Verdict, str]]] = {}
     for verdict in verdicts:
@@ -155,12 +155,12 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     return lines if more <= 0 else [*lines[:_MAX_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
 
-def _distributions(what: str, verdicts: Sequence[Verdict]) -> Iterator[str]:
+def _distributions(what: str, verdicts: Verdicts) -> Iterator[str]:
     laws: dict[str, list[Sequence[float]]] = {}
     for certificate in filter(None, (verdict.certificate for verdict in verdicts)):
         for name, pair in certificate.residuals.items():
             laws.setdefault(name, []).append(pair)
     if panels := list(figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"
-        yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
+        yield html_page.paragraph(f"How many {what} have a worst residual up to each size, beside the limits.")
         yield html_page.grid(panels)

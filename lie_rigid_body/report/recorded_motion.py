@@ -12,9 +12,11 @@ from lie_rigid_body.certificate.law_result import Watch
 from lie_rigid_body.certificate.survey import survey
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
 FEW_SAMPLES: Final = 3
@@ -48,6 +50,10 @@ class RecordedSegment(Block):
     """
 
     segment: Segment
+
+
+Pieces = Sequence[RecordedSegment]
+"""Segments of one recording, in the order of time."""
 
 
 def recorded_segments(bag: Bag | Recording, certificate: Certificate | None = None) -> list[RecordedSegment]:
@@ -124,12 +130,23 @@ class LawOverTime:
         return np.asarray((stamps_ns[order] - origin_ns) * 1e-9), residuals, limits, broken > 0.0
 
 
-def times(stamps_ns: Integers, pieces: Sequence[RecordedSegment]) -> Array:
+def in_words(scenario: Scenario) -> str:
+    """Inertia, initial body rate and method of a motion, or the knots of its path."""
+    if path := scenario.path():
+        return f"a path through {counted(len(path), 'knot')}"
+    steps = f"moving_chart {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
+    return (
+        f"inertia [{numerals(scenario.inertia)}] kg m², initial body rate [{numerals(scenario.initial_body_rate)}] "
+        f"rad/s, {steps if scenario.motion == 'moving_chart' else scenario.motion}"
+    )
+
+
+def times(stamps_ns: Integers, pieces: Pieces) -> Array:
     """Times since the first sample of a recording, s."""
     return np.asarray((stamps_ns - pieces[0].stamps_ns[0]) * 1e-9, dtype=np.float64)
 
 
-def reset_times(pieces: Sequence[RecordedSegment]) -> Array:
+def reset_times(pieces: Pieces) -> Array:
     """Times of the resets since the first sample of a recording, s."""
     return times(np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64), pieces)
 
@@ -219,11 +236,11 @@ class Ellipsoid:
             return None
         return cls(np.sqrt(2.0 * energy / body.principal_moments), rates @ body.principal_axes)
 
-    def surface(self, scale: float = 1.0) -> Array:
-        """Points of the surface, or of one within it, on a grid of parallels and meridians, shape (3, 31, 61)."""
+    def surface(self) -> Array:
+        """Points of the surface on a grid of parallels and meridians, shape (3, 31, 61)."""
         u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.linspace(0, np.pi, 31))
         sphere = np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
-        return np.asarray(scale * self.radii[:, np.newaxis, np.newaxis] * sphere)
+        return np.asarray(self.radii[:, np.newaxis, np.newaxis] * sphere)
 
     def principal_circles(self) -> Array:
         """Sections with the three principal planes, shape (3, 181, 3)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Final, cast
 
 import numpy as np
@@ -13,7 +13,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.foundation.wording import counted, numerals
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
     EYE,
@@ -21,9 +21,11 @@ from lie_rigid_body.report.recorded_motion import (
     MAX_RESETS,
     VIEW,
     Ellipsoid,
+    Pieces,
     RecordedSegment,
     curve_style,
     extremes,
+    in_words,
     reset_times,
     times,
 )
@@ -38,7 +40,7 @@ _LABEL_PAD = 11.0
 
 
 @np.errstate(all="ignore")  # recorded numbers may be anything
-def draw(pieces: Sequence[RecordedSegment]) -> Figure:
+def draw(pieces: Pieces) -> Figure:
     """Draw a recording.
 
     Parameters
@@ -89,9 +91,7 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     return figure
 
 
-def _draw_vectors(
-    axes: Axes, pieces: Sequence[RecordedSegment], of: Callable[[RecordedSegment], Array], symbol: str, label: str
-) -> None:
+def _draw_vectors(axes: Axes, pieces: Pieces, of: Callable[[RecordedSegment], Array], symbol: str, label: str) -> None:
     for piece in pieces:
         t = times(piece.stamps_ns, pieces)
         for name, colour, values in zip("xyz", COLOURS, of(piece).T, strict=True):
@@ -100,7 +100,7 @@ def _draw_vectors(
     axes.set_ylabel(label)
 
 
-def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]) -> None:
+def _draw_drifts(energy: Axes, momentum: Axes, pieces: Pieces) -> None:
     """Draw relative changes of kinetic energy and world momentum since the start, or since the latest kick."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     drifts = np.concatenate([_drifts(piece) for piece in pieces])
@@ -177,19 +177,11 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
         axis.labelpad = _LABEL_PAD
 
 
-def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
+def _title(pieces: Pieces, whose: str) -> str:
     scenario = pieces[0].segment.scenario
     count = len(pieces) - 1
-    stepper = f"moving chart {scenario.method}, step at most {scenario.longest_step:.3g} s"
-    motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
     marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
-    told = (
-        f"{'kicked' if scenario.kicks else 'torque-free'} body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
-        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s"
-    )
     samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
-    if path := scenario.path():
-        told = f"body on a path, {whose}through {len(path)} knots"
     others = "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
-    return f"{told}\n{motion}; {samples} at {scenario.rate:g} Hz{resets}{others}"
+    return f"{whose}{in_words(scenario)}\n{samples} at {scenario.rate:g} Hz{resets}{others}"

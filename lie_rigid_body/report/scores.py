@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Lim
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
-from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Conclusion, Details, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
 from lie_rigid_body.report.recorded_motion import curve_style, extremes
 
@@ -62,7 +62,7 @@ def as_text(score: Score) -> str:
     return answer.as_text([Sentences(score.remarks), _verdict(score), *tables(score), _findings(score), notes])
 
 
-def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
+def parts(read: RecordedEstimate | None, score: Score) -> Parts:
     """Answer about the score of an estimate that was read, or of one in arrays."""
     return [
         Sentences(score.remarks),
@@ -77,7 +77,7 @@ def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
     ]
 
 
-def parts_of_several(scored: Scored) -> list[Part]:
+def parts_of_several(scored: Scored) -> Parts:
     """Answer about the scores of several estimates."""
     return [
         Sentences([*dict.fromkeys(sentence for _, score in scored for sentence in score.remarks)]),
@@ -136,21 +136,15 @@ def tables(score: Score) -> list[Table]:
 
 def _angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     """Statistics of the three errors by name, and of the Cramér–Rao bounds of the total error, where they are known."""
-    best = score.best if score.best and score.best.filtered else None
-    calibrated = best and best.calibrated
-    dynamic = best and best.dynamic
-    rows = {
-        "total": score.total_deg,
-        "heading": score.heading_deg,
-        "inclination": score.inclination_deg,
-        "bound, filter": best and best.filtered,
-        "bound, smoother": best and best.smoothed,
-        "bound, calibrated filter": calibrated and calibrated.filtered,
-        "bound, calibrated smoother": calibrated and calibrated.smoothed,
-        "bound, dynamic filter": dynamic and dynamic.filtered,
-        "bound, dynamic smoother": dynamic and dynamic.smoothed,
-    }
-    return ((name, found) for name, found in rows.items() if found)
+    yield "total", score.total_deg
+    yield "heading", score.heading_deg
+    yield "inclination", score.inclination_deg
+    best = score.best
+    bounds = {"": best, "calibrated ": best and best.calibrated, "dynamic ": best and best.dynamic}
+    for name, bound in bounds.items():
+        if bound and bound.filtered and bound.smoothed:
+            yield f"bound, {name}filter", bound.filtered
+            yield f"bound, {name}smoother", bound.smoothed
 
 
 def _facts(score: Score) -> Iterator[tuple[str, str]]:
@@ -341,13 +335,7 @@ def _draw_total(axes: Axes, score: Score) -> None:
         where = ", far above" if limit > high else ", far below" if limit < low else ""
         axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=f"{name}{where}")
     if score.time_to_converge_s:
-        axes.axvline(
-            score.time_to_converge_s,
-            color=GREEN,
-            lw=1.0,
-            ls="--",
-            label="settled",
-        )
+        axes.axvline(score.time_to_converge_s, color=GREEN, lw=1.0, ls="--", label="settled")
 
 
 def _draw_parts(axes: Axes, score: Score) -> None:

@@ -21,10 +21,12 @@ from lie_rigid_body.cli.diagnose import main
 from lie_rigid_body.cli.league import main as league
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, told
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES
+from lie_rigid_body.diagnosis.probing import told
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
-from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
+from lie_rigid_body.diagnosis.search import QUICK, Search
 from lie_rigid_body.diagnosis.situations import REST, TUMBLES, TURNS, Situation, common
+from lie_rigid_body.diagnosis.trials import Trial
 from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.lie import quaternion
 from said import numbers

@@ -16,7 +16,7 @@ from browser import PROGRAM, Browser
 
 from lie_rigid_body import Estimate, InputError, Limits
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
-from lie_rigid_body.diagnosis.examination import ErrorOverTime
+from lie_rigid_body.diagnosis.filter_diagnosis import ErrorOverTime
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.report import write_plot, write_report
 from lie_rigid_body.runs.ensemble import BlindRun
