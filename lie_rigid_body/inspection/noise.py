@@ -86,14 +86,18 @@ def allan(readings: Array, step_s: float) -> Allan:
 
 
 def density(found: Allan) -> Density:
-    """Fit white noise and a random walk to an Allan variance; the walk is left out where it is not told."""
+    """Fit white noise and a random walk to an Allan variance, by standard errors of the model; a walk that is told.
+
+    White noise is that beside a walk, told or not, unless the fitted square of the walk is negative.
+    """
     model = np.stack([1.0 / found.tau_s, found.tau_s / 3.0], axis=1)
     squares, errors = _weighted(model, found)
-    if squares[1] <= SIGMAS * errors[1]:
+    is_told = squares[1] > SIGMAS * errors[1]
+    if squares[1] < 0.0:
         squares, errors = _weighted(model[:, :1], found)
     sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
     numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
-    return Density(*[*numbers, 0.0, 0.0][:4])
+    return Density(*numbers) if is_told else Density(*numbers[:2], 0.0, 0.0)
 
 
 def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:

@@ -111,9 +111,9 @@ MIN_UNSEEN_S: Final = 0.03
 """Difference of two delays up to which they are one of the gyro, s, if the log sees each as sharply."""
 DIM_DELAY_S: Final = 0.05
 """Delay up to which one must be seen, s: where it is not, the log does not decide."""
-INDEPENDENT_STEPS: Final = 40.0
-"""Number of steps as which a misfit counts that is alike in a whole log. In simulated logs of MEMS and tactical sensors
-errors of hard iron were 0.12 on average, and 0.28 at most, of those that one step allows."""
+INDEPENDENT_STEPS: Final = 20.0
+"""Number of steps as which a misfit counts that is alike in a whole log. In simulated logs 97 % of the
+errors of hard and soft iron are within two standard errors with it."""
 SHAPE_COST: Final = 0.01**2
 """Squared misfit that an element of soft iron of 1 costs."""
 MOUNTING_ERROR: Final = 0.01

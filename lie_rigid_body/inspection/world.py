@@ -33,8 +33,9 @@ from lie_rigid_body.inspection.rule import (
 from lie_rigid_body.lie import quaternion, so3
 
 World: TypeAlias = Any
-"""Interpolation between the readings of a gyro, at ``x``, s, of arrays of shape (3, 6): the rotation from the body to
-the world, and its integral over time, s, which tells how a rate bias turns the world."""
+"""Interpolation between the readings of a gyro, at ``x``, s, of arrays of shape (3, 6).
+
+They are the rotation from the body to the world, and its integral over time, s: how a rate bias turns the world."""
 _FLAT_TURNS: Final = TURNS.reshape(-1, 9)
 OF_TURNS: Final[Array] = np.pad(_FLAT_TURNS, ((0, 0), (0, 30)))
 """Column of each turn without constants, shape (24, 39): 9 elements of the turn, 3 of an offset of the turned readings,

@@ -236,6 +236,7 @@ def test_a_node_is_diagnosed(run):
     assert os.environ.get("ROS_DOMAIN_ID") is not None
 
 
+@SLOW
 def test_a_log_is_played_to_a_node_with_its_own_stamps_twice_the_same(tmp_path: Path) -> None:
     """A log of this year: its stamps are times of day already."""
     true = simulated(imu_rate=100.0, magnetometer_rate=100.0)
