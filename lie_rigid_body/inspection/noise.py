@@ -97,7 +97,7 @@ def density(found: Allan) -> Density:
         squares, errors = _weighted(model[:, :1], found)
     sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
     numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
-    return Density(*numbers) if is_told else Density(*numbers[:2], 0.0, 0.0)
+    return Density(*(numbers if is_told else [*numbers[:2], 0.0, 0.0]))
 
 
 def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
