@@ -38,8 +38,9 @@ World: TypeAlias = Any
 They are the rotation from the body to the world, and its integral over time, s: how a rate bias turns the world."""
 _FLAT_TURNS: Final = TURNS.reshape(-1, 9)
 OF_TURNS: Final[Array] = np.pad(_FLAT_TURNS, ((0, 0), (0, 30)))
-"""Column of each turn without constants, shape (24, 39): 9 elements of the turn, 3 of an offset of the turned readings,
-27 of the turn's products with a rate bias."""
+"""Column of each turn without constants, shape (24, 39).
+
+It has 9 elements of the turn, 3 of an offset of the turned readings, and 27 of the turn's products with a rate bias."""
 OF_CONSTANTS: Final[Array] = np.array(
     [
         np.vstack([np.zeros((9, 6)), -block_diag(np.eye(3), np.kron(turn[:, np.newaxis], np.eye(3)))])
@@ -141,8 +142,8 @@ class Vector:
         Returns
         -------
         list of ndarray, shape (W, 3, 15)
-            For each length: nine products R_ia u_b, by i and by (a, b), which times the elements of a turn P, row by
-            row, are R P u; the rotation R; and its integral.
+            For each length nine products R_ia u_b, by i and by (a, b), the rotation R, and its integral. The products
+            times the elements of a turn P, row by row, are R P u.
         """
         world = self.world(gyro)
         t_s = self.t_s - delay_s
