@@ -3,7 +3,7 @@
 Every filter of the league runs at its defaults over real recordings with optical truth, and over simulated minutes of
 a body that is kicked, carried and at times at rest. Printed is the median total RMS of each, Kendall's τ of the two
 orders with its 95 % interval by the bootstrap over recordings and minutes, and for each filter the ratio of the real
-error to the simulated one.
+error to the simulated one. ``--motions`` prints how fast the recordings turn and how much they are accelerated.
 
 A recording is an npz file with ``gyro`` (rad/s), ``specific_force`` (m/s²), ``magnetic_field`` (µT), ``attitude_wxyz``
 (IMU to east-north-up, NaN where unknown), ``movement`` (where errors count) and a rate of 285.7 Hz, as the data set
@@ -26,6 +26,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import welch
 from scipy.spatial.transform import Rotation
 from scipy.stats import kendalltau
 
@@ -91,6 +92,22 @@ def recordings(folder: Path) -> Iterator[Trial]:
         yield Trial(path.stem, readings, truth, known & moves)
 
 
+def motions(folder: Path) -> Iterator[str]:
+    """How each recording moves where errors count: rates, rad/s, accelerations of an axis, m/s², and rests."""
+    for trial in recordings(folder):
+        rates = np.linalg.norm(trial.given.gyro[trial.counted], axis=1)
+        accelerations = trial.truth[trial.counted].apply(trial.given.acc[trial.counted])
+        accelerations -= accelerations.mean(axis=0)
+        frequency, power = welch(accelerations, RATE_HZ, nperseg=round(8.0 * RATE_HZ), axis=0)
+        shares = np.cumsum(power.sum(axis=1)) / power.sum()
+        low, high = frequency[np.searchsorted(shares, [0.1, 0.9])]
+        middle, fast = np.quantile(rates, [0.5, 0.95])
+        yield (
+            f"{trial.name:42} rate {middle:.2f}, 95 % below {fast:.1f} rad/s; at rest {np.mean(rates < 0.1):.0%}; "
+            f"acceleration {np.sqrt(np.mean(accelerations**2)):.2f} m/s² RMS, {low:.1f} to {high:.1f} Hz"
+        )
+
+
 def minutes() -> Iterator[Trial]:
     """Simulated minutes: a body that turns freely between kicks, is carried, and rests at times."""
     for seed in range(MINUTES):
@@ -152,7 +169,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Filters of the league over real recordings and simulated minutes.")
     parser.add_argument("--data", type=Path, required=True, help="folder of npz files")
     parser.add_argument("--filters", nargs="*", help="names of filters, such as 'vqf VQF'; by default all")
+    parser.add_argument("--motions", action="store_true", help="print how the recordings move, and run no filter")
     given = parser.parse_args()
+    if given.motions:
+        print("\n".join(motions(given.data)))
+        return
     named = [each for each in filters() if not given.filters or each.full_name in given.filters]
     playing = [(each, setting) for each in named for setting in SETTINGS.get(each.full_name, ({},))]
     real = errors(playing, recordings(given.data))

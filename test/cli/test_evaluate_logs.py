@@ -104,6 +104,7 @@ def test_an_estimator_is_scored_on_a_log_with_a_truth(
     assert np.array_equal(Run.from_log(out).imu.gyro, run.imu.gyro)
 
 
+@pytest.mark.slow
 def test_an_estimator_on_a_bag_with_a_scenario_has_a_bound(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert scored(capsys, "own.mcap", "own_filter:estimate")["cramer_rao_bound"] is not None
 

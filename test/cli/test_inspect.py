@@ -81,6 +81,7 @@ def test_the_parameter_file_is_one_and_has_what_the_log_shows(logs: Path, tmp_pa
     assert main([str(logs / "degrees.csv"), "--parameters", str(out)]) == 2
 
 
+@pytest.mark.slow
 def test_a_late_truth_is_named(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(logs / "healthy.csv"), "--truth", str(logs / "truth.tum"), "--json"]) == 1
     (mistake,) = json.loads(capsys.readouterr().out)["mistakes"]
@@ -88,6 +89,7 @@ def test_a_late_truth_is_named(logs: Path, capsys: pytest.CaptureFixture[str]) -
     assert float(mistake["repair"].split()[0]) == pytest.approx(-0.1, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_page_has_pictures(logs: Path, tmp_path: Path) -> None:
     assert main([str(logs / "degrees.csv"), "--report", str(tmp_path / "page.html")]) == 1
     page = (tmp_path / "page.html").read_text()

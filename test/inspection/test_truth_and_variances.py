@@ -74,6 +74,7 @@ def test_a_gyro_alone_is_judged_by_the_truth(hand: Run, factor: float, code: str
     assert mistake.repair.startswith(repair)
 
 
+@pytest.mark.slow
 def test_the_attitude_of_another_body_is_undecided(hand: Run) -> None:
     other = simulate(duration=40.0, initial_body_rate=[0.3, 0.2, 1.0])
     found = inspect(own(hand, other.t_ns, other.truth.attitude_xyzw, hand.imu.gyro))

@@ -46,6 +46,7 @@ def require_heard_as_recorded(seen: dict[str, list[bytes]], bag: Path) -> None:
         assert seen[topic] == sent[topic][-len(seen[topic]) :], topic
 
 
+@pytest.mark.slow
 def test_a_kicked_and_carried_body_is_live_what_it_is_simulated(peer: Peer, tmp_path: Path) -> None:
     """Poses and twists as another process hears them, to the last bit; their bag is certified."""
     bag = tmp_path / "live.mcap"
