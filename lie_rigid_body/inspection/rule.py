@@ -225,3 +225,5 @@ MAX_TRUTH_MISFIT: Final = 0.5
 """Misfit of their rotations, as a share, above which a truth is not that of the gyro."""
 MIN_TRUTH_MOUNTING: Final = float(np.radians(2.0))
 """Least angle between the axes of the gyro and of the truth's body that is a mistake, rad."""
+PAUSES: Final = 0.001
+"""Share of the steps that this mean leaves out, the longest: a log that paused has no bursts."""
