@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.inspection import Inspection, inspect
+from lie_rigid_body.inspection.comparison import liveliest
+from lie_rigid_body.inspection.stamps import Stream
 from lie_rigid_body.runs import SensorArrays
 
 GRAVITY = 9.80665
@@ -179,3 +182,22 @@ def test_a_gyro_alone_and_a_few_slow_readings_are_not_compared(hand: Run) -> Non
     t_ns = np.arange(16) * 500_000_000
     slow = Run.from_arrays(t_ns, hand.imu.gyro[:16], hand.imu.specific_force[:16])
     assert [each.code for each in inspect(slow).undecided] == ["accelerometer_axes"]
+
+
+def test_a_gap_of_years_takes_no_memory(hand: Run) -> None:
+    t_ns = hand.imu.t_ns.copy()
+    t_ns[len(t_ns) // 2 :] += 3 * 10**16  # a clock that is set while it records
+    tracemalloc.start()
+    stretch = liveliest(Stream("gyro", t_ns, hand.imu.gyro))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert np.ptp(stretch.t_ns) < 60e9
+    assert peak < 1e6
+
+
+def test_repeated_readings_have_the_rate_of_the_slower_sensor(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    held = np.searchsorted(mag.t_ns, hand.imu.t_ns, side="right") - 1
+    found = inspect(changed(hand, field_ns=hand.imu.t_ns, field=mag.field[held]))
+    assert codes(found) == ["repeated"]
+    assert found.sensors["magnetometer_rate"].value == pytest.approx(1e9 / np.median(np.diff(mag.t_ns)), rel=1e-6)
