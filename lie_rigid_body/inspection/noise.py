@@ -97,7 +97,7 @@ def density(found: Allan) -> Density:
         squares, errors = _weighted(model[:, :1], found)
     sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
     numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
-    return Density(*numbers) if is_told else Density(*numbers[:2], 0.0, 0.0)
+    return Density(*numbers[:2], *(numbers[2:] if is_told else (0.0, 0.0)))
 
 
 def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
@@ -123,6 +123,13 @@ def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
     return np.asarray((is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most))
 
 
+def _windows_as_usual(readings: Array, size: int, at_rest: Booleans) -> Booleans:
+    """Whether each window scatters as most at rest do: the jerk by which a motion begins is as white as noise."""
+    variances = readings[: len(readings) // size * size].reshape(-1, size, 3).var(axis=1)
+    usual = np.median(variances[at_rest], axis=0) if at_rest.any() else np.zeros(3)
+    return np.asarray(((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
+
+
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
     step_s = gyro.step_s
@@ -132,6 +139,9 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
         return None
     at_rest = _windows_at_rest(gyro.readings, part, MAX_REST_RATE)
     at_rest &= _windows_at_rest(accelerometer.readings, part, np.inf)
+    at_rest &= _windows_as_usual(gyro.readings, size, at_rest) & _windows_as_usual(
+        accelerometer.readings, size, at_rest
+    )
     runs = zip(*runs_of(0, at_rest), strict=True)
     first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
     if (last + 1 - first) * size * step_s < MIN_REST_S:
