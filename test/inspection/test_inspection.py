@@ -89,6 +89,13 @@ def test_g_and_a_late_magnetometer_at_once_are_named_and_undone(hand: Run) -> No
     assert np.array_equal(magnetometer_of(repaired).field, mag.field)
 
 
+@pytest.mark.parametrize(("sign", "told"), [(1.0, "below the horizontal, as in the north"), (-1.0, "above")])
+def test_the_dip_tells_which_sign_fits_which_hemisphere(hand: Run, sign: float, told: str) -> None:
+    found = inspect(changed(hand, field=sign * magnetometer_of(hand).field))
+    assert found.passed
+    assert [told in note.message for note in found.notes if note.code == "dip"] == [True]
+
+
 def test_hard_iron_is_a_note_with_its_value(hand: Run) -> None:
     mag = magnetometer_of(hand)
     iron = np.array([20e-6, -15e-6, 15e-6])
