@@ -158,7 +158,9 @@ def _inspected(run: Run) -> Inspection:
     if "accelerometer" in streams:
         tell_noise([*streams.values()], _declared(run), found)
     streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
-    for stream in streams.values():
+    for sensor, stream in streams.items():
+        if found.has("repeated", sensor) and sensor != "accelerometer":  # an IMU has the rate of its gyro
+            found.estimate(f"{READINGS[sensor][0]}_rate", float(f"{1.0 / stream.step_s:.7g}"))
         tell_values(stream, found)
     streams = {sensor: stream for sensor, stream in streams.items() if not found.has("stuck", sensor)}
     if "gyro" in streams and len(streams) > 1:
@@ -166,6 +168,9 @@ def _inspected(run: Run) -> Inspection:
         comparison = compare(gyro, others, found)
         if comparison is not None:
             tell(comparison, found)
+    elif run.given_truth is None and streams:
+        for code in ("gyro_axes", "gyro_units", "time_step"):
+            found.ask(code, "the gyro and another sensor that moves are needed")
     if "magnetometer" in streams:
         iron = found.sensors.get("magnetometer_hard_iron")
         field = streams["magnetometer"].readings - (iron.value if iron else 0.0)

@@ -27,6 +27,7 @@ from lie_rigid_body.inspection.rule import (
     REST_PARTS,
     REST_SIGMAS,
     REST_WINDOW_S,
+    SI,
     SIGMAS,
 )
 from lie_rigid_body.inspection.stamps import Stream, resolution
@@ -123,6 +124,13 @@ def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
     return np.asarray((is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most))
 
 
+def _windows_as_usual(readings: Array, size: int, at_rest: Booleans) -> Booleans:
+    """Whether each window scatters as most at rest do: the jerk by which a motion begins is as white as noise."""
+    variances = readings[: len(readings) // size * size].reshape(-1, size, 3).var(axis=1)
+    usual = np.median(variances[at_rest], axis=0) if at_rest.any() else np.zeros(3)
+    return np.asarray(((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
+
+
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
     step_s = gyro.step_s
@@ -132,6 +140,9 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
         return None
     at_rest = _windows_at_rest(gyro.readings, part, MAX_REST_RATE)
     at_rest &= _windows_at_rest(accelerometer.readings, part, np.inf)
+    at_rest &= _windows_as_usual(gyro.readings, size, at_rest) & _windows_as_usual(
+        accelerometer.readings, size, at_rest
+    )
     runs = zip(*runs_of(0, at_rest), strict=True)
     first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
     if (last + 1 - first) * size * step_s < MIN_REST_S:
@@ -182,7 +193,7 @@ def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Find
             continue  # the resolution hides the noise
         told = density(measured._replace(variance=measured.variance - grid))
         name = stream.sensor
-        found.note("noise", f"the {name} has white noise of {told.white:.3g} per √Hz at rest", told.white)
+        found.note("noise", f"the {name} has white noise of {told.white:.3g} {SI[name]}/√Hz at rest", told.white)
         found.estimate(f"{name}_noise_density", told.white, told.white_sigma)
         if told.walk:
             found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)

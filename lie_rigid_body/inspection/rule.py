@@ -122,6 +122,9 @@ sheets allow half a degree."""
 MAX_SHAPE_ERROR: Final = 0.02
 """Largest standard error of an element of soft iron with which it is told."""
 
+SI: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "magnetometer": "T"}
+"""Units of repaired readings."""
+
 # --- gravity and units -----------------------------------------------------------------------------------------------
 GRAVITY: Final = 9.80665
 """Standard gravity, m/s²."""
@@ -225,3 +228,5 @@ MAX_TRUTH_MISFIT: Final = 0.5
 """Misfit of their rotations, as a share, above which a truth is not that of the gyro."""
 MIN_TRUTH_MOUNTING: Final = float(np.radians(2.0))
 """Least angle between the axes of the gyro and of the truth's body that is a mistake, rad."""
+PAUSES: Final = 0.001
+"""Share of the steps that this mean leaves out, the longest: a log that paused has no bursts."""

@@ -214,7 +214,11 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     means = [each.placed.means(comparison.gyro, length_s) for each in comparison.vectors]
     up, north = (each[: min(map(len, means))] / np.linalg.norm(each, axis=1).mean() for each in means)
     dip = -np.degrees(np.arcsin(np.mean(np.sum(up * north, axis=1))))
-    text = f"the field points {dip:.1f}° below the horizontal, if both signs are right: does this fit the place?"
+    half, other = ("northern", "southern") if dip > 0.0 else ("southern", "northern")
+    text = (
+        f"the field points {abs(dip):.1f}° {'below' if dip > 0.0 else 'above'} the horizontal, as in the {half} "
+        f"hemisphere: does this fit the place? In the {other} one, one of the two vectors has the opposite sign"
+    )
     found.note("dip", text, dip)
     size = comparison.vectors[-1].constants.size
     found.estimate("magnetic_field", size * np.array([0.0, np.cos(np.radians(dip)), -np.sin(np.radians(dip))]))

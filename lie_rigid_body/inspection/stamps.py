@@ -24,6 +24,7 @@ from lie_rigid_body.inspection.rule import (
     MAX_REPEATED_STAMPS,
     MIN_HELD,
     MIN_HOLD,
+    PAUSES,
     ROUND_OFF,
     STUCK_SHARE,
 )
@@ -113,7 +114,8 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
     ends = np.array([0, len(steps)])
     if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
         return f"are repeated in {np.mean(steps == 0):.0%} of the readings", ends
-    if np.mean(steps < BURST_STEP * steps.mean()) > MAX_IN_BURSTS:
+    usual = steps[steps <= np.quantile(steps, 1.0 - PAUSES)].mean()
+    if np.mean(steps < BURST_STEP * usual) > MAX_IN_BURSTS:
         return "come in bursts", ends
     return "", ends
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.inspection import Inspection, inspect
+from lie_rigid_body.inspection.comparison import liveliest
+from lie_rigid_body.inspection.stamps import Stream
 from lie_rigid_body.runs import SensorArrays
 
 GRAVITY = 9.80665
@@ -84,6 +87,13 @@ def test_g_and_a_late_magnetometer_at_once_are_named_and_undone(hand: Run) -> No
     assert np.allclose(repaired.imu.specific_force, hand.imu.specific_force, rtol=1e-12)
     assert np.abs(magnetometer_of(repaired).t_ns - mag.t_ns).max() < 10e6
     assert np.array_equal(magnetometer_of(repaired).field, mag.field)
+
+
+@pytest.mark.parametrize(("sign", "told"), [(1.0, "below the horizontal, as in the north"), (-1.0, "above")])
+def test_the_dip_tells_which_sign_fits_which_hemisphere(hand: Run, sign: float, told: str) -> None:
+    found = inspect(changed(hand, field=sign * magnetometer_of(hand).field))
+    assert found.passed
+    assert [told in note.message for note in found.notes if note.code == "dip"] == [True]
 
 
 def test_hard_iron_is_a_note_with_its_value(hand: Run) -> None:
@@ -179,3 +189,22 @@ def test_a_gyro_alone_and_a_few_slow_readings_are_not_compared(hand: Run) -> Non
     t_ns = np.arange(16) * 500_000_000
     slow = Run.from_arrays(t_ns, hand.imu.gyro[:16], hand.imu.specific_force[:16])
     assert [each.code for each in inspect(slow).undecided] == ["accelerometer_axes"]
+
+
+def test_a_gap_of_years_takes_no_memory(hand: Run) -> None:
+    t_ns = hand.imu.t_ns.copy()
+    t_ns[len(t_ns) // 2 :] += 3 * 10**16  # a clock that is set while it records
+    tracemalloc.start()
+    stretch = liveliest(Stream("gyro", t_ns, hand.imu.gyro))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert np.ptp(stretch.t_ns) < 60e9
+    assert peak < 1e6
+
+
+def test_repeated_readings_have_the_rate_of_the_slower_sensor(hand: Run) -> None:
+    mag = magnetometer_of(hand)
+    held = np.searchsorted(mag.t_ns, hand.imu.t_ns, side="right") - 1
+    found = inspect(changed(hand, field_ns=hand.imu.t_ns, field=mag.field[held]))
+    assert codes(found) == ["repeated"]
+    assert found.sensors["magnetometer_rate"].value == pytest.approx(1e9 / np.median(np.diff(mag.t_ns)), rel=1e-6)

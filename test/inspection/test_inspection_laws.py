@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from lie_rigid_body import Run, inspect, simulate
 from lie_rigid_body.inspection.explanations import axes_of, axes_repairs
 from lie_rigid_body.inspection.minimum import minimum
 from lie_rigid_body.inspection.noise import allan, density
@@ -94,3 +95,11 @@ def test_densities_are_those_put_in_within_their_standard_errors() -> None:
         found = density(allan(readings, 0.01))
         off.append(abs(found.white - white) > 2.0 * found.white_sigma)
     assert np.mean(off) <= 0.1
+
+
+def test_what_nothing_compares_is_undecided() -> None:
+    run = simulate("hand", duration=10.0, sensor_grade="mems")
+    stuck = run.imu.gyro * [1.0, 0.0, 1.0]
+    found = inspect(Run.from_arrays(run.imu.t_ns, stuck, run.imu.specific_force))
+    assert [mistake.code for mistake in found.mistakes] == ["stuck"]
+    assert {"gyro_axes", "gyro_units", "time_step"} <= {each.code for each in found.undecided}

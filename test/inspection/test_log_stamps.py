@@ -45,9 +45,12 @@ def test_healthy_stamps_with_jitter_stay() -> None:
     assert np.array_equal(even, np.sort(jittered))
 
 
-def test_a_gap_is_named() -> None:
-    _, found = stamps_of(np.delete(STAMPS, slice(300, 400)))
+@pytest.mark.parametrize("pause_s", [1, 1000, 1_700_000_000])
+def test_a_gap_is_named(pause_s: int) -> None:
+    paused = STAMPS + np.where(np.arange(1000) < 500, 0, pause_s * 10**9)
+    even, found = stamps_of(paused)
     assert [mistake.code for mistake in found.mistakes] == ["gaps"]
+    assert np.array_equal(even, paused)
 
 
 def waves(count: int = 1000) -> np.ndarray:

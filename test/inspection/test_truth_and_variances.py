@@ -82,11 +82,11 @@ def test_the_attitude_of_another_body_is_undecided(hand: Run) -> None:
     assert {"truth_late", "truth_mounting"} <= {each.code for each in found.undecided}
 
 
-def resting(folder: Path) -> Run:
+def resting(folder: Path, end_s: float = 20.0) -> Run:
     run = simulate(
         duration=40.0,
         initial_body_rate=[0.0, 0.0, 0.0],
-        kicks=[20.0, 0.5, 1.0, -0.7, 30.0, -1.0, 0.8, 0.6],
+        kicks=[end_s, 0.5, 1.0, -0.7, 30.0, -1.0, 0.8, 0.6],
         imu_rate=100.0,
         magnetometer_rate=50.0,
         sensor_grade="mems",
@@ -103,6 +103,12 @@ def test_declared_variances_are_held_against_the_scatter_at_rest(tmp_path: Path)
     for factor, named in ((3.0, []), (6.0, ["covariance"]), (1.0 / 6.0, ["covariance"])):
         gyro = replace(run.log.gyro, variance=run.log.gyro.variance * factor)
         assert codes(inspect(replace(run, log=replace(run.log, gyro=gyro)))) == named
+
+
+def test_a_motion_that_begins_at_the_end_of_a_rest_is_no_noise(tmp_path: Path) -> None:
+    found = inspect(resting(tmp_path, end_s=19.965))
+    assert codes(found) == []
+    assert found.sensors["gyro_noise_density"].value == pytest.approx(np.radians(0.014), rel=0.2)
 
 
 def test_declared_variances_of_a_log_that_never_rests_are_undecided(hand: Run, tmp_path: Path) -> None:

@@ -424,6 +424,12 @@ def test_stamps_are_read_to_the_nanosecond_and_faults_of_theirs_stay(tmp_path: P
     assert read_log(write(tmp_path / "log.csv", "time,gx,gy,gz", [seconds, GYRO])).gyro.t_ns.tolist() == T.tolist()
 
 
+def test_times_in_bursts_have_the_unit_of_their_mean_step(tmp_path: Path) -> None:
+    us = np.arange(len(T))
+    log = read_log(write(tmp_path / "log.csv", "t,gx,gy,gz", [us // 10 * 200_000 + us % 10 * 10, GYRO]))
+    assert "in µs by its steps" in " ".join(log.taken)
+
+
 def test_imu_topics_are_chosen_by_name_and_declared_variances_are_kept(tmp_path: Path) -> None:
     log = read_log(own_bag(tmp_path), imu="/imu/data_raw", magnetometer="/imu/mag")
     assert log.gyro.arrival_ns is not None

@@ -169,7 +169,8 @@ def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
         named = int(UNITS[TIME][keys[0]])
         return Clock(named, f"in {_NAMES[named]}")
     steps = np.diff(numbers)
-    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    steps = steps[steps > 0]
+    step = float(steps[steps <= np.quantile(steps, 0.99)].mean()) if len(steps) else 0.0  # in bursts most are short
     size = float(np.median(numbers)) if len(numbers) else 0.0
     is_fine = head.words == ("sample", "time", "fine")
     by_size = [(each, "size") for each in _UNITS if _SINCE_1970_NS[0] <= size * each < _SINCE_1970_NS[1]]
