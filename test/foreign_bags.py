@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import mcap.records
+import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
+
+from lie_rigid_body.messages import Decoded, decode_places
 
 PLAIN = CompressionType.NONE
 
@@ -173,3 +176,10 @@ def sized(data: bytes) -> bytes:
 
 def text(value: str) -> bytes:
     return sized(value.encode())
+
+
+def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:
+    """The float64 numbers of messages."""
+    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
+    ends = np.cumsum(sizes)
+    return decode_places(b"".join(payloads), ends - sizes, ends, numbers, stamped=stamped)

@@ -26,8 +26,6 @@ MIN_READING_ERROR: Final = 1e-12
 """Least limit of a signal's relative error: libraries differ in last bits, and parts of a sum may cancel."""
 REPLAY_BLOCK: Final = 8192
 """Largest number of readings replayed at once."""
-MAX_SPARE_READINGS: Final = 10_000_000
-"""Largest number of readings that are replayed for each bag though it lacks them, which takes up to 10 s."""
 _KEPT_BLOCKS: Final = 4
 """Number of replayed blocks kept for messages out of order."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)

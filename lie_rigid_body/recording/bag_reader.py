@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -27,7 +26,7 @@ from lie_rigid_body.recording.mcap_contents import (
     unheard,
 )
 from lie_rigid_body.recording.records import CUT_OFF, METADATA, REWRITTEN
-from lie_rigid_body.recording.segments import MAX_SEGMENTS, UNNAMED
+from lie_rigid_body.recording.segments import UNNAMED
 from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
@@ -44,8 +43,6 @@ _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
-_MAX_OTHERS: Final = 1000
-"""Largest number of topics that are named beside those of the bodies."""
 _RECORDER: Final = "libmcap "
 """Beginning of the library name in a file by `ros2 bag record`."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
@@ -230,7 +227,7 @@ class Bag(BagFacts):
             stamped=twist.message_type == TWIST_STAMPED,
             library=contents.library,
             scenario_texts=read_scenarios(self._path, contents, scenario),
-            expected_samples=_expected_samples(self._path, contents),
+            expected_samples=_expected_samples(contents),
             publish_time_mismatches=sum(track.publish_time_mismatches for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
             without_checksum=contents.without_checksum,
@@ -336,7 +333,7 @@ def read_scenarios(path: Path, contents: McapContents, track: RawTopic) -> list[
     for time, text in texts_on(path, contents, track):
         is_new = text not in distinct
         kept.append((time, distinct.setdefault(text, text)))
-        if is_new and (len(distinct) > MAX_SEGMENTS or not _is_scenario(text)):
+        if is_new and not _is_scenario(text):
             break
     return kept
 
@@ -362,15 +359,11 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     topics = [
         f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
         "which no scenario determines"
-        for track in besides[:_MAX_OTHERS]
+        for track in besides
     ]
-    if len(besides) > _MAX_OTHERS:
-        topics.append(f"{len(besides) - _MAX_OTHERS} more topics, which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 
-def _expected_samples(path: Path, contents: McapContents) -> int | None:
-    text = contents.metadata.get(METADATA, {}).get("samples")
-    if text is not None and not re.fullmatch("[0-9]{1,18}", text):
-        raise BagError(f"{path} is damaged: its metadata counts {text!r} samples: record it again")
-    return None if text is None else int(text)
+def _expected_samples(contents: McapContents) -> int | None:
+    text = contents.metadata.get(METADATA, {}).get("samples", "")
+    return int(text) if text.isdecimal() else None

@@ -84,17 +84,15 @@ def _ordered(topic: TopicMessages, until: int) -> TopicMessages:
     return topic
 
 
-def _together(pose: TopicMessages, twist: TopicMessages) -> tuple[Block, Integers]:
-    """Samples of ordered poses and twists, and the stamps that only one of the topics has."""
-    alone = pose.stamps_ns[:0]
+def _together(pose: TopicMessages, twist: TopicMessages) -> Block:
+    """Samples of ordered poses and twists: the stamps that both topics have."""
     if not np.array_equal(pose.stamps_ns, twist.stamps_ns):
-        alone = np.setxor1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True)
         _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
         pose = pose[both[0]]
         twist = twist[both[1]]
     states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())
     numbers = np.zeros_like(pose.stamps_ns)
-    return Block(numbers, pose.stamps_ns, states, pose.values[:, :3], twist.values[:, :3]), alone
+    return Block(numbers, pose.stamps_ns, states, pose.values[:, :3], twist.values[:, :3])
 
 
 def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -> Iterator[Topics]:
@@ -138,9 +136,7 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
         )
 
 
-def paired(
-    bag: Bag | Recording, segments: Sequence[Segment], batches: Batches
-) -> Iterator[tuple[Topics, Block, Integers]]:
+def paired(bag: Bag | Recording, segments: Sequence[Segment], batches: Batches) -> Iterator[tuple[Topics, Block]]:
     """Put poses and twists of one stamp together as they come; what is too late, alone or doubled is left out.
 
     Parameters
@@ -157,8 +153,6 @@ def paired(
         Poses and twists that were read; none behind the last ones.
     block : Block
         Samples that are complete by that, not numbered.
-    alone : ndarray of int64
-        Stamps among them that only one of the two topics has.
     """
     waiting: Topics = ()
     until = int(np.iinfo(np.int64).min)
@@ -168,9 +162,9 @@ def paired(
         if all(len(topic) > _HELD_BACK for topic in waiting):  # none is expected any more that comes before these
             until = min(int(topic.stamps_ns[-1 - _HELD_BACK]) for topic in waiting)
         ends = [int(np.searchsorted(topic.stamps_ns, until, side="right")) for topic in waiting]
-        yield topics, *_together(*(topic[:end] for topic, end in zip(waiting, ends, strict=True)))
+        yield topics, _together(*(topic[:end] for topic, end in zip(waiting, ends, strict=True)))
         waiting = tuple(topic[end:] for topic, end in zip(waiting, ends, strict=True))
-    yield (), *_together(*waiting)
+    yield (), _together(*waiting)
 
 
 def numbered(segments: Sequence[Segment], samples: Iterable[Block]) -> Iterator[tuple[int, Block]]:
@@ -196,7 +190,7 @@ def numbered_blocks(
     sensors, take : optional
         Topics that are read as well, and what takes their messages; see `Bag.batches`.
     """
-    return numbered(segments, (block for _, block, _ in paired(bag, segments, bag.batches(sensors, take))))
+    return numbered(segments, (block for _, block in paired(bag, segments, bag.batches(sensors, take))))
 
 
 def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segment]]:
@@ -222,7 +216,7 @@ def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segmen
     declared = [*declared_segments((text for _, text in bag.scenario_texts), bag.name).values()]
     blocks = list[Block]()
     seen = set[int]()
-    for topics, block, _ in paired(bag, declared, bag.batches()):
+    for topics, block in paired(bag, declared, bag.batches()):
         blocks.append(block)
         seen.update(i for topic in topics for i, _ in segment_parts(declared, topic.stamps_ns))
     samples = Block.joined(blocks)

@@ -20,9 +20,6 @@ from lie_rigid_body.sensors.fault import TransportFaults, nanoseconds
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
-MAX_SCENARIO_TEXT: Final = 1024 * 1024
-"""Largest length of a scenario message that is read, characters; this package writes about 2000, and 170 a
-knot of a path."""
 
 
 @short_dataclass
@@ -146,8 +143,6 @@ class Segment:
         InputError
             If the text is not such a message, or its ``start_ns`` is not the stamp of its ``first_sample``.
         """
-        if len(text) > MAX_SCENARIO_TEXT:
-            raise InputError(f"the scenario message has {len(text)} characters: at most {MAX_SCENARIO_TEXT} are read")
         try:
             content = _parsed(text)
         except ValueError as error:
