@@ -93,7 +93,6 @@ def not_certified(
         *_ends(bag, surveyed),
         *(["parameters of the sensors that no reading shows"] if has_sensors else []),
         *uncovered(bag, surveyed, sensors, inertia),
-        *_unread(bag),
         "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
     )
 
@@ -130,8 +129,3 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     yield "what came after its last sample" + (
         "" if bag.expected_samples is None else ": whoever cuts samples off can lower their count"
     )
-
-
-def _unread(bag: Bag | Recording) -> Iterator[str]:
-    if bag.without_checksum:
-        yield f"bytes that no law reads: parts without a checksum: {bag.without_checksum}"

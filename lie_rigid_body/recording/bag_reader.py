@@ -68,8 +68,6 @@ class BagFacts:
         Messages of the three topics whose time of publishing is not their log time.
     others : tuple of str
         What the bag holds besides, in words: topics and attachments.
-    without_checksum : int
-        Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
     sensors : dict of str to RawTopic
@@ -86,7 +84,6 @@ class BagFacts:
     expected_samples: int | None = None
     publish_time_mismatches: int = 0
     others: tuple[str, ...] = ()
-    without_checksum: int = 0
     was_cut_off: bool = False
     sensors: Mapping[str, RawTopic] = field(default_factory=dict)
     name: str = UNNAMED
@@ -230,7 +227,6 @@ class Bag(BagFacts):
             expected_samples=_expected_samples(contents),
             publish_time_mismatches=sum(track.publish_time_mismatches for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
-            without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
             sensors={name: track for name, track in body.tracks.items() if name not in BODY_TOPICS},
             name=str(files.path),

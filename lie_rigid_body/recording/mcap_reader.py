@@ -126,8 +126,6 @@ class _FileReader:
         self._places: list[_Place] = []
         self._summary = Summary()
         self._crc = zlib.crc32(MAGIC)  # of the data section
-        self._chunks = 0
-        self._bare_chunks = 0
         self._is_over = False  # the data section
         self.at = 0
 
@@ -191,15 +189,10 @@ class _FileReader:
         declared = int.from_bytes(content[:4], "little")
         require(declared in (0, self._crc), f"the checksum of its data section is {self._crc:08x}, not {declared:08x}")
         self._is_over = True
-        if not declared:
-            self._contents.without_checksum += self._bare_chunks or not self._chunks
 
     def _take_messages(self, part: Place, raw: bytes) -> ChunkMessages:
         """Take messages in a chunk or in none; return those that are wanted."""
         chunk, hints = chunk_of(raw)
-        if chunk is not None:
-            self._chunks += 1
-            self._bare_chunks += not chunk.uncompressed_crc
         data = decompress(chunk) if chunk else raw
         table = find_messages(data, hints)
         is_whole = len(table.data) == len(data)

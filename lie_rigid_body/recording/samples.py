@@ -8,9 +8,10 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.segments import (
@@ -31,7 +32,7 @@ _HELD_BACK: Final = 1024
 
 
 @short_dataclass
-class Block:
+class Block(Stamped):
     """Samples that have both pose and twist, in the order of their stamps.
 
     Parameters
@@ -51,28 +52,12 @@ class Block:
     position: Array
     body_velocity: Array
 
-    def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
-        return Block(
-            self.samples[rows],
-            self.stamps_ns[rows],
-            self.states[rows],
-            self.position[rows],
-            self.body_velocity[rows],
-        )
-
     @classmethod
-    def joined(cls, blocks: Sequence[Block]) -> Block:
+    def joined(cls, parts: Iterable[Block]) -> Block:
         """Samples of blocks that follow each other, or of none."""
         none = np.empty(0, dtype=np.int64)
-        attitudes = [b.states.attitude_xyzw for b in blocks]
-        rates = [b.states.body_rate for b in blocks]
-        return cls(
-            np.concatenate([none, *(b.samples for b in blocks)]),
-            np.concatenate([none, *(b.stamps_ns for b in blocks)]),
-            State.trusted(np.concatenate([np.empty((0, 4)), *attitudes]), np.concatenate([np.empty((0, 3)), *rates])),
-            np.concatenate([np.empty((0, 3)), *(b.position for b in blocks)]),
-            np.concatenate([np.empty((0, 3)), *(b.body_velocity for b in blocks)]),
-        )
+        vectors = np.empty((0, 3))
+        return super().joined([cls(none, none, State.trusted(np.empty((0, 4)), vectors), vectors, vectors), *parts])
 
 
 def _ordered(topic: TopicMessages, until: int) -> TopicMessages:

@@ -10,6 +10,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.motion.mass_centre import MassCentre
@@ -18,7 +19,7 @@ from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
 
 @short_dataclass
-class Samples:
+class Samples(Stamped):
     """States and their stamps.
 
     Parameters
@@ -39,23 +40,9 @@ class Samples:
         """Times at which the samples are sent and logged, ns: their stamps."""
         return self.stamps_ns
 
-    def __len__(self) -> int:
-        return len(self.stamps_ns)
-
-    def __getitem__(self, rows: slice | Booleans) -> Samples:
-        return Samples(self.stamps_ns[rows], self.states[rows], None if self.centre is None else self.centre[rows])
-
-    def joined(self, later: Samples) -> Samples:
-        """Join these samples and later ones."""
-        stamps_ns = np.concatenate([self.stamps_ns, later.stamps_ns])
-        states = self.states.joined(later.states)
-        if self.centre is None or later.centre is None:
-            return Samples(stamps_ns, states)
-        return Samples(stamps_ns, states, self.centre.joined(later.centre))
-
 
 @short_dataclass
-class SensorSamples:
+class SensorSamples(Stamped):
     """Readings of a sensor with their times.
 
     Parameters
@@ -74,22 +61,6 @@ class SensorSamples:
     stamps_ns: Integers
     lost: Booleans
     arrays: Mapping[str, Array]
-
-    def __len__(self) -> int:
-        return len(self.times_ns)
-
-    def __getitem__(self, rows: slice | Booleans) -> SensorSamples:
-        arrays = {name: array[rows] for name, array in self.arrays.items()}
-        return SensorSamples(self.times_ns[rows], self.stamps_ns[rows], self.lost[rows], arrays)
-
-    def joined(self, later: SensorSamples) -> SensorSamples:
-        """Join these samples and later ones."""
-        return SensorSamples(
-            np.concatenate([self.times_ns, later.times_ns]),
-            np.concatenate([self.stamps_ns, later.stamps_ns]),
-            np.concatenate([self.lost, later.lost]),
-            {name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()},
-        )
 
     def received(self) -> SensorSamples:
         """Leave out the readings that never arrive."""
@@ -157,7 +128,7 @@ class SampleQueue(Generic[R]):
             except ParameterError:
                 # the stamps end before that, though perhaps not before the samples that are wanted
                 rows = self._compute(self._clock.stamps_ns(self._next, missing))
-            self._ready = self._ready.joined(rows) if len(self._ready) else rows
+            self._ready = self._ready.joined([self._ready, rows]) if len(self._ready) else rows
             self._next += len(rows)
 
     def take(self, count: int) -> R:
