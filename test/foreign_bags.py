@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
@@ -178,8 +178,9 @@ def text(value: str) -> bytes:
     return sized(value.encode())
 
 
-def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:
+def decode(payloads: Iterable[bytes], numbers: int, *, stamped: bool) -> Decoded:
     """The float64 numbers of messages."""
+    payloads = list(payloads)
     sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
     ends = np.cumsum(sizes)
     return decode_places(b"".join(payloads), ends - sizes, ends, numbers, stamped=stamped)

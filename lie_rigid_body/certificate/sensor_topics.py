@@ -220,8 +220,6 @@ class SegmentSensor:
 
     def _arrived_until(self, time_ns: int) -> int:
         """Number of the clock's readings, from number 0 on, that arrive at or before a time, ns."""
-        if self._delivery is None:
-            return self.clock.count_until(time_ns)
         return Arrivals(self.clock, self.first, self._segment.start_ns, self._delivery).count_until(time_ns)
 
     @property

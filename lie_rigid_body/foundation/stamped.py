@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sized
 from dataclasses import fields
 from functools import reduce
 from typing import TYPE_CHECKING, Any, cast
@@ -19,7 +19,7 @@ class Stamped:
     """Base class of dataclasses of columns, each with a row for every stamp.
 
     A column is an array, or what is cut and joined as one, such as a `State`; or a mapping of names to arrays. A field
-    that is a text, a tuple or None is the same for all rows.
+    that has no length, a text or a tuple is the same for all rows.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Stamped:
 def _columnwise(function: Callable[..., Any], *parts: Any) -> Any:
     """The parts, or what they are columns of, with a function of their columns in place of these."""
     first = parts[0]
-    if first is None or isinstance(first, str | tuple):
+    if isinstance(first, str | tuple) or not isinstance(first, Sized):
         return first
     if isinstance(first, Mapping):
         return {name: _columnwise(function, *(part[name] for part in parts)) for name in first}

@@ -27,7 +27,7 @@ from lie_rigid_body.recording.mcap_contents import (
 )
 from lie_rigid_body.recording.records import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.segments import UNNAMED
-from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
+from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, texts_on, the_body
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
     OfSensor,
@@ -188,8 +188,7 @@ class Bag(BagFacts):
         files = BagFiles(path, progress)
         contents = files.contents(nothing)
         found = bodies(files.path, contents, topics)
-        others = other_bodies(files.path, contents, found) if topics else []
-        besides = (*map(_not_chosen, others), *_others(contents, [*found, *others]))
+        besides = _others(contents, found)
         bags: dict[str, Bag | BagError] = {}
         for body in found:
             bag = cls.__new__(cls)
@@ -340,11 +339,6 @@ def _is_scenario(text: str) -> bool:
     except InputError:
         return False
     return True
-
-
-def _not_chosen(body: Body) -> str:
-    topic = next(track.topic for track in body.tracks.values() if track.count)
-    return f"body {body.name or '/'} ({topic} and what goes with it), which was not asked for"
 
 
 def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:

@@ -84,16 +84,6 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     return [_body(path, contents, *each, given, alone=len(found) == 1) for each in found]
 
 
-def other_bodies(path: Path, contents: McapContents, own: Sequence[Body]) -> list[Body]:
-    """The bodies of a bag besides those that a user chose."""
-    try:
-        found = bodies(path, contents, {})
-    except BagError:  # what is beside the chosen one need not be whole
-        return []
-    poses = [body.tracks[POSE].topic for body in own]
-    return [body for body in found if body.tracks[POSE].topic not in poses]
-
-
 def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> Body:
     """The body of a bag that has one. See `bodies`."""
     found = bodies(path, contents, topics)
@@ -306,24 +296,13 @@ def _body(
         raise fault
     told = _tracks(contents, {name: names[name] for name in names.keys() & SENSOR_TOPICS.keys()})
     found = {name: given.get(name) or told.get(name) for name in SENSOR_TOPICS}
-    sensors = {name: track or _sensor(contents, name, tracks, alone=alone) for name, track in found.items()}
+    sensors = {name: track or _sensor(contents, name, tracks) for name, track in found.items()}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
     return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in BODY_TOPICS}, **there}, fault)
 
 
-def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTopic | None:
-    """The track of what a sensor reads in the body's namespace; of a body that is alone the only one of that name."""
+def _sensor(contents: McapContents, name: str, tracks: Tracks) -> RawTopic | None:
+    """The track of what a sensor reads in the body's namespace, or of a private topic of its node."""
     last = name.removeprefix("~/")
-    private = last != name  # of the node, one name below its namespace
-    beside = tracks[SCENARIO if private else POSE].topic.rpartition("/")[0]
-    own = _track(contents, topic_types()[name], f"{beside}/{last}")
-    poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
-    alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
-    elsewhere = [t for t in alike if f"{_home(t.topic.removesuffix(last), private=private)}/{POSE}" not in poses]
-    return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)
-
-
-def _home(prefix: str, *, private: bool) -> str:
-    """The namespace of the node whose topic begins so."""
-    above = prefix.rstrip("/")
-    return above.rpartition("/")[0] if private else above
+    beside = tracks[POSE if last == name else SCENARIO].topic.rpartition("/")[0]
+    return _track(contents, topic_types()[name], f"{beside}/{last}")

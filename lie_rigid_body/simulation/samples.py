@@ -155,8 +155,7 @@ class Measurement:
     model : SensorModel
     clock : SampleClock
         Of the measurements.
-    arrivals : Arrivals or None
-        None: every reading arrives at the time of its measurement, which is its stamp.
+    arrivals : Arrivals
     first, next : int
         Number of the segment's first reading, and of the one that comes next.
     """
@@ -169,8 +168,7 @@ class Measurement:
         self.model = scenario.sensors.on[name]
         self.clock = SampleClock(scenario.epoch_ns, self.model.rate)
         self.first = self.clock.count_until(start_ns - 1)
-        delivery = self.model.delivery
-        self.arrivals = None if delivery is None else Arrivals(self.clock, self.first, start_ns, delivery)
+        self.arrivals = Arrivals(self.clock, self.first, start_ns, self.model.delivery)
         self._instrument = SENSORS[name].make(self.model, scenario.carrier())
         before_ns = self.clock.stamp_ns(self.first - 1) - start_ns
         self._instrument.begin_after(before_ns, lambda: scenario.exact_motion().at(before_ns))
@@ -180,7 +178,7 @@ class Measurement:
         """The next readings, which are measured at some times, ns."""
         number = self.next
         times = measured_ns - self._start_ns
-        arrived = self._arrived(number, measured_ns)  # first, as it may be refused
+        arrived = self.arrivals.of(number, measured_ns)  # first, as it may be refused
         self.next += len(times)
         readings = self._instrument.measure(times, self._motion.at(times), number - self.first)
         return SensorSamples(*arrived, readings)
@@ -192,11 +190,5 @@ class Measurement:
         times = measured_ns - self._start_ns
         self.next += count
         signals = self._instrument.signals(times, self._motion.at(times), number - self.first)
-        arrived_ns, _, lost = self._arrived(number, measured_ns)
+        arrived_ns, _, lost = self.arrivals.of(number, measured_ns)
         return arrived_ns, lost, signals
-
-    def _arrived(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
-        """Arrival times and stamps of readings, ns, and which of them are lost."""
-        if self.arrivals is None:
-            return measured_ns, measured_ns, np.zeros(len(measured_ns), dtype=np.bool_)
-        return self.arrivals.of(number, measured_ns)

@@ -209,17 +209,17 @@ class Arrivals:
         Number of the segment's first reading.
     start_ns : int
         The segment's start, ns.
-    delivery : TransportFaults
-        Faults on the way.
+    delivery : TransportFaults or None
+        Faults on the way; without any a reading arrives when it is measured.
     """
 
-    def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: TransportFaults) -> None:
+    def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: TransportFaults | None) -> None:
         self._clock = clock
         self._first = first
         self._start_ns = start_ns
         self._delivery = delivery
-        self._latency_ns = nanoseconds(delivery.latency)
-        self._jitter_ns = nanoseconds(delivery.latency_jitter)
+        self._latency_ns = nanoseconds(delivery.latency) if delivery else 0
+        self._jitter_ns = nanoseconds(delivery.latency_jitter) if delivery else 0
 
     def stamp_ns(self, number: int) -> int:
         """Time at which one reading arrives, ns."""
@@ -237,6 +237,8 @@ class Arrivals:
 
     def of(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
         """Arrival times and stamps, ns, of the readings from one number on, and which of them are lost."""
+        if self._delivery is None:
+            return measured_ns, measured_ns, np.zeros(len(measured_ns), dtype=np.bool_)
         stamps = self._delivery.stamps_ns(measured_ns, self._clock.epoch_ns)
         numbers = number - self._first + np.arange(len(measured_ns))
         lost = self._delivery.lost(numbers, measured_ns - self._start_ns)
@@ -244,6 +246,8 @@ class Arrivals:
 
     def _latest(self, number: int, measured_ns: Integers) -> Integers:
         """Arrival times of the readings from one number on, ns: no reading overtakes an earlier one."""
+        if self._delivery is None:
+            return measured_ns
         before = number
         if self._jitter_ns and len(measured_ns):
             # of those measured more than the jitter ago none can be late enough to hold up another
