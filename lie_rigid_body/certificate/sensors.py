@@ -252,8 +252,7 @@ class SensorLaws:
     @property
     def _end_ns(self) -> int:
         """Time until which a whole bag has everything, ns; one that was cut off may lack part of its last time."""
-        cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-        return max(self._last_sent_ns, self._truth_ns) - cut_off
+        return max(self._last_sent_ns, self._truth_ns) - self._bag.lacks_end
 
     def _of_bag(self) -> tuple[LawResult, ...]:
         """The laws of what belongs to no segment, and of the messages about faults."""

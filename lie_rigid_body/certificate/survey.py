@@ -222,10 +222,9 @@ class Surveyor:
         return Survey(found, self.segments, self._own, self._counts)
 
     def _surveyed(self) -> Iterator[SurveyedSegment]:
-        bag = self._bag
         own = self._own
-        late_start = not self._own
-        cut_off = bag.was_cut_off and bag.expected_samples is None  # else the cut was behind the last sample
+        late_start = not own
+        cut_off = self._bag.lacks_end
         seen = {i for i, tally in enumerate(self._tallies) if not tally.is_empty}
         for i, following in segments_with_samples(self.segments, seen, whole=own):
             yield self._tallies[i].result(following, late_start=late_start, open_end=not own, cut_off=cut_off)

@@ -99,7 +99,7 @@ class FaultLaw:
         horizon_ns : int
             Latest time of an honest message, ns.
         """
-        missing = self._missing(self._expected(min(max(until_ns, self._last_ns), horizon_ns)), until_ns)
+        missing = self._missing(self._expected(horizon_ns), until_ns)
         for key, (message, _) in self._told.items():
             where = f"message {message} ({_in_words(key)})"
             self._note("of which the scenario makes none", where, key.begin_ns, message)

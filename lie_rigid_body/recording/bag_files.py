@@ -182,12 +182,6 @@ def whole_of(file: Path) -> Path | None:
     return folder if len(several) > 1 and is_one_bag(folder) else None
 
 
-def missing_beside(file: Path) -> int | None:
-    """Number of the first file that is missing where all in a folder are those of a bag that was split; else None."""
-    _, numbers = _numbers(file.parent, file.suffix) if file.suffix in SUFFIXES and file.is_file() else ("", set[int]())
-    return min({*range(max(numbers, default=0))} - numbers, default=None)
-
-
 def natural_order(path: Path) -> list[tuple[int, str]]:
     """A key that sorts paths by their names, numbers in them by their values."""
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", str(path))]

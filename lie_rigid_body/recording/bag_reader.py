@@ -89,6 +89,11 @@ class BagFacts:
     name: str = UNNAMED
 
     @property
+    def lacks_end(self) -> bool:
+        """Whether its last samples may be missing in part; a cut behind the count of samples was behind them all."""
+        return self.was_cut_off and self.expected_samples is None
+
+    @property
     def is_original(self) -> bool:
         """Whether it is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
 
@@ -348,7 +353,7 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     besides = [track for track in contents.tracks.values() if not any(track is each for each in own)]
     topics = [
         f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
-        "which no scenario determines"
+        "which the scenarios of the body do not determine"
         for track in besides
     ]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))

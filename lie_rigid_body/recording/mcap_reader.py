@@ -93,7 +93,6 @@ def _read_again(
     """Messages of some tracks in a file that was read before, and was in some state then; see `McapContents.read`."""
     with closing(FileBytes(path)) as file:
         try:
-            require(file.state() == state, "it is another file")
             for begin, end, there in places:
                 channels = {key: own for key, own in there.items() if key in keys}
                 yield _found_again(file[begin:end], channels) if channels else {}
@@ -234,10 +233,8 @@ class _FileReader:
         require(not (is_record and self._file[-len(MAGIC) :] == MAGIC), "a record is longer than the file")
         count = self._summary.counts.total()
         if self._is_over:
-            goes_on = self._file[end : end + len(MAGIC)] == MAGIC
-            how = "goes on behind its end" if goes_on else "breaks off in its summary"
             behind = f"at byte {end}, behind all of its {counted(count, 'message')}"
-            return BagError(f"{path} {how} {behind}: write it whole with {RESCUE}")
+            return BagError(f"{path} breaks off in its summary {behind}: write it whole with {RESCUE}")
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
         return BagError(
             f"{path} was cut off behind byte {end}, or is still being written: it {holds}: rescue them with {RESCUE}"

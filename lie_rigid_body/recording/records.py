@@ -265,12 +265,6 @@ class MessageTable:
         parts = zip(channels.tolist(), np.split(rows, np.cumsum(counts[channels])[:-1]), strict=False)
         return dict(sorted(parts, key=lambda part: int(part[1][0, 1])))
 
-    def require_times(self) -> None:
-        """Refuse times beyond 64 bits with a sign."""
-        for name in ("log_time", "publish_time"):
-            latest = int(self.heads[name].max(initial=0))
-            require(latest <= MAX_TIME, f"the {name} of a message is {latest} ns, beyond {MAX_TIME}")
-
 
 def chunk_of(raw: bytes) -> tuple[Chunk | None, Integers]:
     """Chunk of a part of a file, and the places that the indexes behind it name; None and no places of messages."""

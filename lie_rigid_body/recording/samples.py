@@ -15,10 +15,8 @@ from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.segments import (
-    declared_segments,
     number_samples,
     segment_parts,
-    segments_with_samples,
 )
 from lie_rigid_body.recording.topic_messages import TakeReadings, TopicMessages
 from lie_rigid_body.simulation import SampleClock, Segment
@@ -176,39 +174,6 @@ def numbered_blocks(
         Topics that are read as well, and what takes their messages; see `Bag.batches`.
     """
     return numbered(segments, (block for _, block in paired(bag, segments, bag.batches(sensors, take))))
-
-
-def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segment]]:
-    """All samples that have both pose and twist, in the order of their stamps, not numbered, and the segments.
-
-    Parameters
-    ----------
-    bag : Recording
-
-    Returns
-    -------
-    samples : Block
-    declared : list of Segment
-        All segments that the bag declares, in the order of their starts.
-    segments : list of Segment
-        Those of them that have samples or lack them; see `segments_with_samples`.
-
-    Raises
-    ------
-    BagError, ParameterError
-        See `declared_segments` and `require_samples`.
-    """
-    declared = [*declared_segments((text for _, text in bag.scenario_texts), bag.name).values()]
-    blocks = list[Block]()
-    seen = set[int]()
-    for topics, block in paired(bag, declared, bag.batches()):
-        blocks.append(block)
-        seen.update(i for topic in topics for i, _ in segment_parts(declared, topic.stamps_ns))
-    samples = Block.joined(blocks)
-    first_ns = min(int(topic.stamps_ns.min()) for topic in ([bag.poses, bag.twists] if bag.stamped else [bag.poses]))
-    require_samples(bag.name, declared, first_ns, len(samples.stamps_ns))
-    places = segments_with_samples(declared, seen, whole=bag.is_original)
-    return samples, declared, [declared[i] for i, _ in places]
 
 
 def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count: int) -> None:

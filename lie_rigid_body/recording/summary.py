@@ -82,15 +82,13 @@ class Summary:
         Raises
         ------
         DamageError
-            See `read`; or if there is a message of a channel that is not declared, or of a time beyond 64 bits. Then
-            nothing is added.
+            See `read`; or if there is a message of a channel that is not declared. Then nothing is added.
         """
         schemas = {**self.schemas}
         channels = {**self.channels}
         try:
             for place in table.definitions:
                 self.read(place.opcode, table.data[place.begin : place.end])
-            table.require_times()
             unknown = min(table.index.keys() - self.channels.keys(), default=None)
             require(unknown is None, f"it has a message of channel {unknown}, which is not declared before it")
         except Exception:

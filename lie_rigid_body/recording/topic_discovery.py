@@ -17,7 +17,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shortened, shown, suggestion
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
-from lie_rigid_body.recording.bag_files import missing_beside, whole_of
+from lie_rigid_body.recording.bag_files import whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic, TopicKey
 from lie_rigid_body.recording.topic_messages import texts
 
@@ -209,12 +209,7 @@ def _missing(path: Path, contents: McapContents, name: str) -> BagError:
 def _remedy(path: Path, otherwise: str) -> str:
     """Remedy where a topic is missing: it may be in another file of a bag that was split."""
     whole = whole_of(path)
-    if whole is not None:
-        return f"it is one file of a bag that was split: give the folder {whole}"
-    missing = missing_beside(path)
-    if missing is not None:
-        return f"restore file {missing} of a bag that was split, if it is one of that, or record it"
-    return otherwise
+    return otherwise if whole is None else f"it is one file of a bag that was split: give the folder {whole}"
 
 
 def _several(path: Path, name: str, found: list[RawTopic]) -> ChoiceError:
@@ -289,9 +284,6 @@ def _body(
     if silent and fault is None:
         remedy = _remedy(path, "record it while the body is published")
         fault = BagError(f"{path} has no message on {silent[0]}: {remedy}")
-    unknown = listed(sorted(names.keys() - topic_types().keys()))
-    if unknown and fault is None:
-        fault = BagError(f"{path}: {tracks[SCENARIO].topic} names topics that no body has, {unknown}: restore the bag")
     if fault is not None and alone:
         raise fault
     told = _tracks(contents, {name: names[name] for name in names.keys() & SENSOR_TOPICS.keys()})

@@ -178,23 +178,13 @@ def _scenario(parameters: str) -> Scenario:
 def _parsed(text: str) -> dict[str, Any]:
     """Parse a scenario message."""
     try:
-        content = json.loads(text, object_pairs_hook=_without_repeats)
+        content = json.loads(text)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     if not isinstance(content, dict):
         raise ValueError("it is no object")
     if missing := [name for name in ("first_sample", "start_ns") if name not in content]:
         raise ValueError(f"it has no {missing[0]}")
-    return content
-
-
-def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    """Make an object of names and values, and refuse a name given twice: some readers would take its first value."""
-    content: dict[str, object] = {}
-    for name, value in pairs:
-        if name in content:
-            raise ValueError(f"it gives {name!r:.40} twice")
-        content[name] = value
     return content
 
 
