@@ -11,12 +11,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import mcap.records
+import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
+
+from lie_rigid_body.messages import Decoded, decode_places
 
 PLAIN = CompressionType.NONE
 
@@ -173,3 +176,11 @@ def sized(data: bytes) -> bytes:
 
 def text(value: str) -> bytes:
     return sized(value.encode())
+
+
+def decode(payloads: Iterable[bytes], numbers: int, *, stamped: bool) -> Decoded:
+    """The float64 numbers of messages."""
+    payloads = list(payloads)
+    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
+    ends = np.cumsum(sizes)
+    return decode_places(b"".join(payloads), ends - sizes, ends, numbers, stamped=stamped)

@@ -252,8 +252,7 @@ def _notes(found: SurveyedSegment, held: SegmentResults, *, is_original: bool) -
         yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
     if found.stamps.unit == GAP and not is_original and not broken:  # all go on as if none were missing
         yield (
-            f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
-            "that follow are numbered and move on as if they were there: the node published them, and the recorder or "
-            "the network lost them: give the recorder config/rosbag2/qos.yaml of this package, by "
-            "--qos-profile-overrides-path"
+            f"messages missing: {found.stamps.worst:.0f}; those that follow are numbered and move on as if they were "
+            "there: the node published them, and the recorder or the network lost them: give the recorder "
+            "config/rosbag2/qos.yaml of this package, by --qos-profile-overrides-path"
         )

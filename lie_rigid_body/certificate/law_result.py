@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
@@ -122,27 +121,19 @@ class LawTally:
         self._first = list[int]()
         self._largest = self._farthest = _Worst()
 
-    def add(
-        self, residuals: Array, limits: Array | float | Callable[[], Array], samples: Integers, stamps_ns: Integers
-    ) -> None:
+    def add(self, residuals: Array, limits: Array | float, samples: Integers, stamps_ns: Integers) -> None:
         """Hold residuals against their limits.
 
         Parameters
         ----------
         residuals : ndarray, shape (N,)
             Not negative; NaN counts as broken.
-        limits : ndarray, shape (N,), or float or callable
-            A callable makes them when they are needed: not where all residuals are 0 and some were judged before.
+        limits : ndarray, shape (N,), or float
         samples, stamps_ns : ndarray of int64, shape (N,)
             Where each residual belongs.
         """
         if residuals.size == 0:
             return
-        if callable(limits):
-            if self._checked and self._watch is None and not residuals.any():
-                self._checked += residuals.size
-                return
-            limits = limits()
         if self._watch is not None:
             self._watch(self.name, self._unit, residuals, limits, stamps_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)

@@ -9,7 +9,7 @@ rounding keep the order of numbers. So a faithful reading lies between the two t
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Final
 
@@ -26,8 +26,6 @@ MIN_READING_ERROR: Final = 1e-12
 """Least limit of a signal's relative error: libraries differ in last bits, and parts of a sum may cancel."""
 REPLAY_BLOCK: Final = 8192
 """Largest number of readings replayed at once."""
-MAX_SPARE_READINGS: Final = 10_000_000
-"""Largest number of readings that are replayed for each bag though it lacks them, which takes up to 10 s."""
 _KEPT_BLOCKS: Final = 4
 """Number of replayed blocks kept for messages out of order."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
@@ -58,15 +56,13 @@ class Expected:
         """The readings, shape (N, K)."""
         return self.converter.read(self.signal)
 
-    def residuals(self, recorded: Array) -> tuple[Array, Callable[[], Array]]:
+    def residuals(self, recorded: Array) -> tuple[Array, Array]:
         """Distances of recorded readings from these, and their limits, on the worst axis; shape (N,) each."""
         distance = np.abs(recorded - self.values)
-        if not distance.any():  # as of one's own recordings; then no axis is worse than the first
-            return distance[:, 0], lambda: self._allowed(recorded)[:, 0]
         allowed = self._allowed(recorded)
         axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)
         at = axis + np.arange(0, distance.size, distance.shape[1])
-        return distance.take(at), lambda: allowed.take(at)
+        return distance.take(at), allowed.take(at)
 
     def _allowed(self, recorded: Array) -> Array:
         read = self.converter.read

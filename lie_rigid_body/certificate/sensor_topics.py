@@ -12,8 +12,9 @@ import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.readings import REPLAY_BLOCK, Replay, ReplayedBlock
-from lie_rigid_body.certificate.stamps import DUPLICATE, Lost, StampFault, StampTally
+from lie_rigid_body.certificate.stamps import DUPLICATE, MAX_MISSING, Lost, StampFault, StampTally
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, same_bits
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.messages import ReadingEncoder
 from lie_rigid_body.recording.segments import PlacedMessages, grid
@@ -122,29 +123,10 @@ class TopicLaws:
             yield StampFault(DUPLICATE, count, min(self._arrived), text)
         yield from self.tally.faults(self.topic, first, last, lost)
 
-    def results(self, *, with_values: bool) -> Iterator[LawResult]:
+    def results(self) -> Iterator[LawResult]:
         """Results of the laws: how near the content of the messages came to the limits."""
-        for law in [*(self._values if with_values else []), self._alike]:
+        for law in [*self._values, self._alike]:
             yield law.result()
-
-
-class SpareReadings:
-    """The number of readings that may still be replayed for a bag though it lacks them.
-
-    Parameters
-    ----------
-    left : int
-    """
-
-    def __init__(self, left: int) -> None:
-        self._left = left
-
-    def take(self, count: int) -> bool:
-        """Take from the number; return False if that is too small."""
-        if count > self._left:
-            return False
-        self._left -= count
-        return True
 
 
 class SegmentSensor:
@@ -160,8 +142,6 @@ class SegmentSensor:
         Name of the sensor.
     topics : mapping of str to str
         Full names of the sensor's topics in the bag, by relative names.
-    spare : SpareReadings
-        Of the whole bag.
     max_attitude : float, optional
         Limit of the attitude's error, rad, in place of that of the declared motion.
     watch : Watch, optional
@@ -174,8 +154,6 @@ class SegmentSensor:
         Number of the first reading of the segment.
     topics : dict of str to TopicLaws
         Laws of the topics, by relative names.
-    is_too_far : bool
-        Whether some readings were not compared, as too many are missing before them.
     """
 
     def __init__(
@@ -184,14 +162,11 @@ class SegmentSensor:
         successors: Sequence[Segment],
         name: str,
         topics: Mapping[str, str],
-        spare: SpareReadings,
         max_attitude: float | None = None,
         watch: Watch | None = None,
     ) -> None:
         self._segment = segment
-        self._spare = spare
         self._begin = partial(Replay, segment, name, max_attitude)
-        self.is_too_far = False
         self._delivery = segment.scenario.sensors.on[name].delivery
         self._end_ns = successors[0].start_ns - 1 if successors else MAX_EPOCH_NS
         self._goes_on = all(name in later.scenario.sensors.on for later in successors)
@@ -245,8 +220,6 @@ class SegmentSensor:
 
     def _arrived_until(self, time_ns: int) -> int:
         """Number of the clock's readings, from number 0 on, that arrive at or before a time, ns."""
-        if self._delivery is None:
-            return self.clock.count_until(time_ns)
         return Arrivals(self.clock, self.first, self._segment.start_ns, self._delivery).count_until(time_ns)
 
     @property
@@ -286,14 +259,18 @@ class SegmentSensor:
         numbers = numbers[np.diff(numbers, prepend=numbers[:1] - 1) > 0]
         numbers = numbers[np.searchsorted(numbers, replay.first) :]
         off = 0
-        while len(numbers) and not self.is_too_far:
+        while len(numbers):
             number = int(numbers[0])
-            self.is_too_far = not self._spare.take(max(0, number - replay.next))
-            if not self.is_too_far:
-                last = int(numbers[min(len(numbers), REPLAY_BLOCK) - 1])
-                block = replay.block(number, max(number, min(last, number + REPLAY_BLOCK)))
-                off += sum(self.topics[name].compare(block, own) for name, own in placed.items())
-                numbers = numbers[np.searchsorted(numbers, block.end) :]
+            if number - replay.next > MAX_MISSING:
+                topic = next(iter(self.topics.values())).topic
+                raise BagError(
+                    f"{topic}: {number - replay.next} readings are missing before reading {number}, more than are "
+                    "computed: record the bag again"
+                )
+            last = int(numbers[min(len(numbers), REPLAY_BLOCK) - 1])
+            block = replay.block(number, max(number, min(last, number + REPLAY_BLOCK)))
+            off += sum(self.topics[name].compare(block, own) for name, own in placed.items())
+            numbers = numbers[np.searchsorted(numbers, block.end) :]
         return off
 
     def forget(self) -> None:
@@ -303,7 +280,7 @@ class SegmentSensor:
 
     def results(self, topic: TopicLaws) -> Iterator[LawResult]:
         """The laws of a topic's content; a broken one tells topic and time."""
-        for law in topic.results(with_values=not self.is_too_far):
+        for law in topic.results():
             if law.holds or law.stamp_ns is None:
                 yield law
                 continue

@@ -12,8 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 
 from lie_rigid_body.certificate.law_result import LawResult, Watch
-from lie_rigid_body.certificate.readings import MAX_SPARE_READINGS
-from lie_rigid_body.certificate.sensor_topics import SegmentSensor, SpareReadings, value_laws
+from lie_rigid_body.certificate.sensor_topics import SegmentSensor, value_laws
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, FaultLaw
@@ -85,7 +84,6 @@ class SensorLaws:
         self._own = bag.is_original
         self._watch = watch
         self._max_attitude = max_attitude
-        self._spare = SpareReadings(MAX_SPARE_READINGS)
         self._declared = {name for segment in segments for name in sensor_topics(segment.scenario.sensors)}
         clocks = {
             topic.name: SensorClocks(segments, name)
@@ -137,7 +135,6 @@ class SensorLaws:
                 self._successors(place),
                 name,
                 {topic.name: self._full_name(topic.name) for topic in SENSORS[name].topics if topic.name in self._held},
-                self._spare,
                 self._max_attitude,
                 self._watch,
             )
@@ -173,17 +170,14 @@ class SensorLaws:
                 f"readings of sensors: the scenario is of {foreign!r:.40}, this is {LIBRARY}, which computes others"
             )
         topics = [topic for sensor in self._sensors.values() for topic in sensor.topics.values()]
-        far = {t.topic for sensor in self._sensors.values() if sensor.is_too_far for t in sensor.topics.values()}
-        not_certified += [f"{topic}: too many readings are missing to compute the others" for topic in sorted(far)]
-        certified = [self._full_name(name) for name in self._clocks if foreign is None]
         return SensorFindings(
             tuple(laws),
             tuple(tuple(notes[place]) for place in sampled),
             whole,
-            tuple(topic for topic in certified if topic not in far),
+            tuple(self._full_name(name) for name in self._clocks if foreign is None),
             tuple(not_certified),
             self._logged_otherwise + sum(self._bag.sensors[name].publish_time_mismatches for name in self.wanted),
-            not far and all(topic.is_exact for topic in topics),
+            all(topic.is_exact for topic in topics),
         )
 
     def _of_segments(self, sampled: list[int], notes: dict[int, list[str]]) -> dict[int, tuple[LawResult, ...]]:
@@ -258,8 +252,7 @@ class SensorLaws:
     @property
     def _end_ns(self) -> int:
         """Time until which a whole bag has everything, ns; one that was cut off may lack part of its last time."""
-        cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-        return max(self._last_sent_ns, self._truth_ns) - cut_off
+        return max(self._last_sent_ns, self._truth_ns) - self._bag.lacks_end
 
     def _of_bag(self) -> tuple[LawResult, ...]:
         """The laws of what belongs to no segment, and of the messages about faults."""
@@ -270,8 +263,7 @@ class SensorLaws:
                 laws.append(LawResult.of_faults("sensor stamps", clocks.early, what, clocks.early))
         if self._faults is not None:
             self._logged_otherwise += self._faults.log_time_mismatches
-            if not self._faults.is_too_long(self._horizon_ns):
-                laws.append(self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns, self._horizon_ns))
+            laws.append(self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns, self._horizon_ns))
         return tuple(laws)
 
     @property
@@ -293,9 +285,7 @@ class SensorLaws:
         faults = self._faults
         if early and not self._own:
             yield f"readings before the first scenario's start: {early}"
-        if faults is not None and faults.is_too_long(self._horizon_ns):
-            yield f"{self._full_name(FAULTS_TOPIC)}: too many readings to compute the faults of all"
-        elif faults is not None and not self._own:
+        if faults is not None and not self._own:
             if faults.early:
                 yield f"faults before the first scenario's start: {faults.early}"
             if faults.repeated:

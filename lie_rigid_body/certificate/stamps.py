@@ -18,12 +18,11 @@ GAP: Final = "gap"
 DUPLICATE: Final = "dup"
 DISORDER: Final = "ord"
 
-MAX_LOST: Final = 200_000_000
-"""Largest number of missing samples of a topic of which it is asked whether they were to be lost; others are gaps."""
+MAX_MISSING: Final = 50_000_000
+"""Largest number of missing samples of a topic that are computed, those of 14 h at 1 kHz: more are gaps, whatever is
+lost."""
 _PAGE: Final = 2**18
 """Number of missing samples looked up together."""
-_MAX_MISSING: Final = 1_000_000
-"""Number of samples that are missing, and were not to be lost, behind which all others are taken for missing."""
 
 Lost: TypeAlias = Callable[[Integers], Booleans]
 """A function that tells which samples, by their numbers, never arrive."""
@@ -37,9 +36,7 @@ class NumberRuns:
 
     def add(self, numbers: Integers) -> None:
         """Take at least one number; one that is there already counts again."""
-        numbers = np.sort(numbers)
-        breaks = np.flatnonzero(np.diff(numbers) != 1)
-        runs = np.stack([numbers[np.append(0, breaks + 1)], numbers[np.append(breaks, len(numbers) - 1)]])
+        runs = _runs_among(np.sort(numbers))
         if self._runs and runs[0, 0] == self._runs[-1][1, -1] + 1:
             self._runs[-1][1, -1] = runs[1, 0]
             runs = runs[:, 1:]
@@ -70,23 +67,23 @@ def without_lost(begins: Integers, ends: Integers, lost: Lost) -> tuple[Integers
     """Runs of numbers, given by their first and last ones, without the samples that were to be lost."""
     lengths = ends - begins + 1
     behind = np.cumsum(lengths)
-    total = int(behind[-1]) if len(behind) else 0
+    total = int(lengths.sum())
+    if total > MAX_MISSING:
+        return begins, ends
     kept = [np.empty(0, dtype=np.int64)]
-    done = missing = 0
-    while done < min(total, MAX_LOST) and missing < _MAX_MISSING:
-        places = np.arange(done, min(done + _PAGE, total, MAX_LOST))
+    for done in range(0, total, _PAGE):
+        places = np.arange(done, min(done + _PAGE, total))
         run = np.searchsorted(behind, places, side="right")
         numbers = begins[run] + places - (behind - lengths)[run]
         kept.append(numbers[~lost(numbers)])
-        missing += len(kept[-1])
-        done += len(places)
-    numbers = np.concatenate(kept)
-    breaks = np.flatnonzero(np.diff(numbers) != 1)
-    rest = behind > done  # runs that were not looked up, the first of them perhaps in part
-    first = numbers[np.append(0, breaks + 1)[: len(numbers)]]
-    last = numbers[np.append(breaks, -1)[: len(numbers)]]
-    begun = np.maximum(begins, ends + 1 - (behind - done))
-    return np.concatenate([first, begun[rest]]), np.concatenate([last, ends[rest]])
+    first, last = _runs_among(np.concatenate(kept))
+    return first, last
+
+
+def _runs_among(numbers: Integers) -> Integers:
+    """First and last of each run of numbers that follow each other, in rising order, shape (2, N)."""
+    edges = np.diff(numbers, prepend=numbers[:1] - 2, append=numbers[-1:] + 2) != 1
+    return np.stack([numbers[edges[:-1]], numbers[edges[1:]]])
 
 
 @short_dataclass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
@@ -12,7 +11,6 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
@@ -45,8 +43,6 @@ class SurveyedSegment:
         Whether the stamps of pose and twist are complete, even and in order.
     begins_late : bool
         Whether it may begin after the segment's start, as a recorder that subscribed to a running node does.
-    unpaired : int
-        Stamps between the first and the last sample that only one of the two topics has.
     """
 
     place: int
@@ -56,7 +52,6 @@ class SurveyedSegment:
     last_ns: int | None
     stamps: LawResult
     begins_late: bool
-    unpaired: int
 
 
 class SegmentTally:
@@ -72,37 +67,27 @@ class SegmentTally:
     ----------
     stamps : dict of str to StampTally
         Those of pose and twist.
-    logged_ns : int
-        The earliest time at which one of its samples was logged, ns.
     """
 
     def __init__(self, place: int, segment: Segment) -> None:
         self._place = place
         self.segment = segment
         self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
-        self._count = self._unpaired = self._alone_since = 0
+        self._count = 0
         self._first: int | None = None
         self._last_ns: int | None = None
-        self.logged_ns = MAX_EPOCH_NS
 
     @property
     def is_empty(self) -> bool:
         """Whether neither topic has a sample."""
         return not any(tally.count for tally in self.stamps.values())
 
-    def pair(self, common: Integers, alone: Integers) -> None:
-        """Take the next stamps: those that both topics have, and those of one topic alone."""
-        if not len(common):
-            self._alone_since += len(alone) if self._count else 0
-            return
-        if self._count:
-            self._unpaired += self._alone_since + int(np.count_nonzero(alone < common[0]))
-        else:
-            self._first = int(number_samples(self.segment.clock(), common[:1])[0])
-        self._unpaired += int(np.count_nonzero((alone > common[0]) & (alone < common[-1])))
-        self._alone_since = int(np.count_nonzero(alone > common[-1]))
-        self._count += len(common)
-        self._last_ns = int(common[-1])
+    def pair(self, stamps_ns: Integers) -> None:
+        """Take the next stamps that both topics have."""
+        if self._first is None:
+            self._first = int(number_samples(self.segment.clock(), stamps_ns[:1])[0])
+        self._count += len(stamps_ns)
+        self._last_ns = int(stamps_ns[-1])
 
     def result(self, following: int | None, *, late_start: bool, open_end: bool, cut_off: bool) -> SurveyedSegment:
         """The segment, before one that starts at ``following``, ns."""
@@ -116,8 +101,7 @@ class SegmentTally:
             open_end=open_end and is_last,
             cut_off=cut_off and is_last,
         )
-        first = self._first
-        return SurveyedSegment(self._place, segment, self._count, first, self._last_ns, law, late_start, self._unpaired)
+        return SurveyedSegment(self._place, segment, self._count, self._first, self._last_ns, law, late_start)
 
 
 class Counts:
@@ -133,14 +117,11 @@ class Counts:
         Messages that were not logged at their stamps, scenarios at their starts.
     first_ns : int
         The least stamp, ns.
-    contradicted_ns : list of int
-        Starts of segments, ns, that had samples for a second when another scenario was declared of the same start.
     """
 
     def __init__(self) -> None:
         self.messages = [0, 0]
         self.foreign_frames = set[str]()
-        self.contradicted_ns = list[int]()
         self.log_time_mismatches = 0
         self.first_ns = int(np.iinfo(np.int64).max)
 
@@ -208,7 +189,7 @@ class Surveyor:
     """
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
-        self._declared = declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
+        declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag = bag
         self._own = bag.is_original
         self._counts = Counts()
@@ -223,48 +204,27 @@ class Surveyor:
     def samples(self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None) -> Iterator[Block]:
         """Read the bag, and give its samples as they are counted, without numbers."""
         batches = self._counts.counted(self._bag.batches(sensors, take), stamped=self._bag.stamped)
-        for topics, block, alone in paired(self._bag, self.segments, batches):
+        for topics, block in paired(self._bag, self.segments, batches):
             for name, topic in zip(self._tallies[0].stamps, topics, strict=False):
                 for i, rows in segment_parts(self.segments, topic.stamps_ns):
                     self._tallies[i].stamps[name].add(topic.stamps_ns[rows])
-                    self._tallies[i].logged_ns = int(topic.log_times_ns[rows].min(initial=self._tallies[i].logged_ns))
                     scenario = self.segments[i].scenario
                     declared = scenario.world_frame if name == "pose" else scenario.body_frame
                     self._counts.foreign_frames.update(topic[rows].frame_ids - {declared})
-            self._pair(block.stamps_ns, alone)
+            for i, rows in segment_parts(self.segments, block.stamps_ns):
+                self._tallies[i].pair(block.stamps_ns[rows])
             yield block
-
-    def _pair(self, common: Integers, alone: Integers) -> None:
-        """Give each segment its part of the stamps that come next, of both topics and of one alone."""
-        in_common, in_alone = (dict(segment_parts(self.segments, stamps)) for stamps in (common, alone))
-        for i in sorted(in_common.keys() | in_alone.keys()):
-            none = slice(0, 0)
-            self._tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
 
     def result(self) -> Survey:
         """Survey of the bag, after all samples."""
-        self._counts.contradicted_ns = sorted({*self._contradicted()})
         found = tuple(self._surveyed())
         require_samples(self._bag.name, self.segments, self._counts.first_ns, sum(segment.count for segment in found))
         return Survey(found, self.segments, self._own, self._counts)
 
-    def _contradicted(self) -> Iterator[int]:
-        """Starts of segments, ns, that have two scenarios, one logged more than 1 s after the first sample.
-
-        That is too late for a second reset at the same time.
-        """
-        logged = {tally.segment.start_ns: tally.logged_ns for tally in self._tallies}
-        latest = {text: time for time, text in self._bag.scenario_texts}
-        texts = Counter(segment.start_ns for segment in {s.to_json(): s for s in self._declared.values()}.values())
-        for text, segment in self._declared.items():
-            if texts[segment.start_ns] > 1 and latest[text] > logged[segment.start_ns] + NS:
-                yield segment.start_ns
-
     def _surveyed(self) -> Iterator[SurveyedSegment]:
-        bag = self._bag
         own = self._own
-        late_start = not self._own
-        cut_off = bag.was_cut_off and bag.expected_samples is None  # else the cut was behind the last sample
+        late_start = not own
+        cut_off = self._bag.lacks_end
         seen = {i for i, tally in enumerate(self._tallies) if not tally.is_empty}
         for i, following in segments_with_samples(self.segments, seen, whole=own):
             yield self._tallies[i].result(following, late_start=late_start, open_end=not own, cut_off=cut_off)

@@ -67,8 +67,6 @@ def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]
             yield f"the scenario that starts at {after.start_ns} ns does not follow the clock of the one before it"
     if any(segment.scenario.stamped_twist != bag.stamped for segment in segments):
         yield f"a scenario declares stamped_twist {str(not bag.stamped).lower()}, the twists are otherwise"
-    for start_ns in surveyed.counts.contradicted_ns:
-        yield f"a scenario that starts at {start_ns} ns contradicts the one whose samples came before it"
 
 
 def not_certified(
@@ -95,7 +93,6 @@ def not_certified(
         *_ends(bag, surveyed),
         *(["parameters of the sensors that no reading shows"] if has_sensors else []),
         *uncovered(bag, surveyed, sensors, inertia),
-        *_unread(bag),
         "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
     )
 
@@ -132,8 +129,3 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     yield "what came after its last sample" + (
         "" if bag.expected_samples is None else ": whoever cuts samples off can lower their count"
     )
-
-
-def _unread(bag: Bag | Recording) -> Iterator[str]:
-    if bag.without_checksum:
-        yield f"bytes that no law reads: parts without a checksum: {bag.without_checksum}"

@@ -48,44 +48,6 @@ def of_kind(value: object, kind: type[Kind]) -> Kind:
     return value
 
 
-def refuse_whole(name: str, value: object, part: str) -> None:
-    """Refuse an object in the place of its array.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in the message.
-    value : object
-    part : str
-        The attribute that is the array.
-
-    Raises
-    ------
-    ParameterError
-    """
-    if hasattr(value, part):
-        raise ParameterError(name, f"a {type(value).__name__} was given: give its {part}")
-
-
-def require_batches(**shapes: tuple[int, ...]) -> None:
-    """Refuse arguments whose leading axes do not broadcast.
-
-    Parameters
-    ----------
-    **shapes : tuple of int
-        The leading axes of each argument by its name.
-
-    Raises
-    ------
-    InputError
-    """
-    try:
-        np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        told = ", ".join(f"{shape} of {name}" for name, shape in shapes.items())
-        raise InputError(f"leading axes {told} do not go together: give equal ones, or 1 for all") from None
-
-
 def within_doubles(function: Callable[Given, Result]) -> Callable[Given, Result]:
     """A function of finite arguments whose results, if they are arrays, are finite, or refused in place of a warning.
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
 INVARIANCE_TOLERANCE: Final = 1e-9
@@ -45,7 +45,6 @@ def ad_star(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Arra
     """
     w = of_kind(group, MatrixLieGroup).as_components(rate, "rates")
     p = group.as_components(momentum, "momenta")
-    require_batches(rate=w.shape[:-1], momentum=p.shape[:-1])
     turning = np.tensordot(w, group.structure_constants, axes=1)
     return np.asarray((turning @ p[..., np.newaxis])[..., 0])
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.short_dataclass import short_dataclass, short_repr
-from lie_rigid_body.groups.arguments import MadeAnew, of_kind, require_batches, within_doubles
+from lie_rigid_body.groups.arguments import MadeAnew, of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import ad_star, coadjoint_directions
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -183,5 +183,4 @@ def lie_poisson_bracket(
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     first, second = (group.as_components(v, "gradients") for v in (first_gradient, second_gradient))
-    require_batches(momentum=p.shape[:-1], first_gradient=first.shape[:-1], second_gradient=second.shape[:-1])
     return np.asarray(np.sum(first * ad_star(group, second, p), axis=-1))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.groups.arguments import of_kind, refuse_whole, within_doubles
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetric_matrix, symmetrised
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
@@ -48,7 +48,6 @@ def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: Array
     InputError
         If K is not positive semidefinite, a generator not antisymmetric, A₀ not orthogonal, or sizes differ.
     """
-    refuse_whole("second moment", second_moment, "second_moment")
     K = second_moment_matrix(second_moment)
     T = _antisymmetric_generators(generators, len(K))
     if attitude is not None:
@@ -110,7 +109,6 @@ def require_metric(metric: ArrayLike, dimension: int, name: str = "metric") -> A
     InputError
         If M is of the wrong size, not finite, not symmetric or not positive definite.
     """
-    refuse_whole(name, metric, "inertia")
     m = symmetric_matrix(name, real_array(name, metric, (dimension, dimension)))
     own = eigenvalues(m)
     least = own[0]
@@ -131,7 +129,6 @@ def eigenvalues(symmetric: Array) -> Array:
 
 
 def _antisymmetric_generators(generators: ArrayLike, n: int) -> Array:
-    refuse_whole("generators", generators, "generators")
     T = real_array("generators", generators, ("d", n, n))
     gap = np.abs(T + T.swapaxes(-1, -2)).max(axis=(-1, -2))
     worst = int(np.argmax(gap))

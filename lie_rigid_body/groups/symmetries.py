@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, real_array
-from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 
@@ -48,7 +48,6 @@ def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayL
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     to_body = group.Ad(group.inverse(element))
-    require_batches(element=to_body.shape[:-2], momentum=p.shape[:-1])
     return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
 
 

@@ -18,7 +18,7 @@ from lie_rigid_body.messages.batch import (
     encode_strings,
     numbers_of,
 )
-from lie_rigid_body.messages.decoding import Decoded, decode, decode_places, decode_string
+from lie_rigid_body.messages.decoding import Decoded, decode_places, decode_string
 from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS
 
 __all__ = [
@@ -29,7 +29,6 @@ __all__ = [
     "PoseTwistEncoder",
     "ReadingEncoder",
     "TransformEncoder",
-    "decode",
     "decode_places",
     "decode_string",
     "encode_string",

@@ -20,7 +20,6 @@ from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
-from lie_rigid_body.system.bounded_input import MAX_NAME_LENGTH, MAX_STRING_LENGTH
 
 Bytes: TypeAlias = NDArray[np.uint8]
 """Rows of bytes, one payload in each, shape (N, size)."""
@@ -53,13 +52,6 @@ class Decoded:
     numbers: Array
     frame_ids: tuple[str, ...]
     frames: Integers
-
-
-def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:
-    """Read messages of float64 numbers from payloads of either byte order; see `decode_places`."""
-    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
-    ends = np.cumsum(sizes)
-    return decode_places(b"".join(payloads), ends - sizes, ends, numbers, stamped=stamped)
 
 
 def decode_places(
@@ -139,8 +131,6 @@ def _decode_alike(
     at = int(indices[0])
     order = byte_order(head, first + at)
     length = _word(head, 12, order, first + at) if stamped else 0
-    if length > MAX_NAME_LENGTH:
-        raise BagError(f"message {first + at} has a frame of {length} bytes: at most {MAX_NAME_LENGTH} are read")
     start = numbers_after(FRAME_OFFSET + length) if stamped else 4
     count = values.shape[1]
     _require_size(head, start + 8 * count, first + at)
@@ -182,8 +172,6 @@ def decode_string(payload: bytes, index: int = 0) -> str:
         If the payload is not one.
     """
     length = _word(payload, 4, byte_order(payload, index), index)
-    if length > MAX_STRING_LENGTH:
-        raise BagError(f"message {index} has a text of {length} bytes: at most {MAX_STRING_LENGTH} are read")
     _require_size(payload, 8 + length, index)
     return text_of(payload[8 : 8 + length], index)
 
@@ -289,10 +277,7 @@ class _Fields:
         return int(self._unpack(kind)[0])
 
     def _text(self) -> str:
-        length = self.word()
-        if length > MAX_NAME_LENGTH:
-            raise BagError(f"message {self._index} has a frame of {length} bytes: at most {MAX_NAME_LENGTH} are read")
-        return text_of(self._unpack(f"{length}s")[0], self._index)
+        return text_of(self._unpack(f"{self.word()}s")[0], self._index)
 
     def _unpack(self, what: str) -> tuple:  # type: ignore[type-arg]
         try:

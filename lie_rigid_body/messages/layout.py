@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, pairwise
-from typing import Final, overload
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,7 +106,7 @@ class Template:
 
 
 @short_dataclass(eq=False)
-class Payloads(Sequence[bytes]):
+class Payloads:
     """Messages of one size. Their bytes are laid out when they are asked for, or straight where they are wanted.
 
     Parameters
@@ -123,15 +123,8 @@ class Payloads(Sequence[bytes]):
     def __len__(self) -> int:
         return len(self.words)
 
-    @overload
-    def __getitem__(self, index: int) -> bytes: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Payloads: ...
-
-    def __getitem__(self, index: int | slice) -> bytes | Payloads:
-        some = self.words[index if isinstance(index, slice) else [index]]
-        return Payloads(self.template, some) if isinstance(index, slice) else next(self.template.rows(some))
+    def __getitem__(self, index: int) -> bytes:
+        return next(self.template.rows(self.words[[index]]))
 
     def __iter__(self) -> Iterator[bytes]:
         return self.template.rows(self.words)

@@ -38,11 +38,6 @@ _NAMES: Final = (
 ``NUMBER_PREFIX_TIME.mcap``."""
 _HEADER_BYTES: Final = 64
 """Bytes at the beginning of a file in which the name of its writer begins."""
-_PER_MESSAGE: Final = 100
-"""Memory that a message takes beside its content, about, bytes."""
-_KEPT_AT_LEAST: Final = 64 * 2**20
-_KEPT_PER_BYTE: Final = 200
-"""Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 
 
 class BagFiles:
@@ -87,15 +82,8 @@ class BagFiles:
         """
         contents = McapContents(wanted)
         for file in self.files:
-            kept = 0
             for size, found in read_file(file, contents):
                 contents.kept.append(found)
-                kept += sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
-                if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * file.stat().st_size):
-                    raise BagError(
-                        f"{file} has messages of {kept} bytes in a file of {file.stat().st_size}, more than is read: "
-                        "record it again"
-                    )
                 self.progress(size)
         return contents
 
@@ -192,12 +180,6 @@ def whole_of(file: Path) -> Path | None:
     folder = file.parent
     several = _ending(folder, file.suffix) if file.suffix in SUFFIXES and file.is_file() else []
     return folder if len(several) > 1 and is_one_bag(folder) else None
-
-
-def missing_beside(file: Path) -> int | None:
-    """Number of the first file that is missing where all in a folder are those of a bag that was split; else None."""
-    _, numbers = _numbers(file.parent, file.suffix) if file.suffix in SUFFIXES and file.is_file() else ("", set[int]())
-    return min({*range(max(numbers, default=0))} - numbers, default=None)
 
 
 def natural_order(path: Path) -> list[tuple[int, str]]:

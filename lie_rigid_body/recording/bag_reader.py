@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -27,8 +26,8 @@ from lie_rigid_body.recording.mcap_contents import (
     unheard,
 )
 from lie_rigid_body.recording.records import CUT_OFF, METADATA, REWRITTEN
-from lie_rigid_body.recording.segments import MAX_SEGMENTS, UNNAMED
-from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
+from lie_rigid_body.recording.segments import UNNAMED
+from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, texts_on, the_body
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
     OfSensor,
@@ -44,8 +43,6 @@ _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
-_MAX_OTHERS: Final = 1000
-"""Largest number of topics that are named beside those of the bodies."""
 _RECORDER: Final = "libmcap "
 """Beginning of the library name in a file by `ros2 bag record`."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
@@ -71,8 +68,6 @@ class BagFacts:
         Messages of the three topics whose time of publishing is not their log time.
     others : tuple of str
         What the bag holds besides, in words: topics and attachments.
-    without_checksum : int
-        Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
     sensors : dict of str to RawTopic
@@ -89,10 +84,14 @@ class BagFacts:
     expected_samples: int | None = None
     publish_time_mismatches: int = 0
     others: tuple[str, ...] = ()
-    without_checksum: int = 0
     was_cut_off: bool = False
     sensors: Mapping[str, RawTopic] = field(default_factory=dict)
     name: str = UNNAMED
+
+    @property
+    def lacks_end(self) -> bool:
+        """Whether its last samples may be missing in part; a cut behind the count of samples was behind them all."""
+        return self.was_cut_off and self.expected_samples is None
 
     @property
     def is_original(self) -> bool:
@@ -194,8 +193,7 @@ class Bag(BagFacts):
         files = BagFiles(path, progress)
         contents = files.contents(nothing)
         found = bodies(files.path, contents, topics)
-        others = other_bodies(files.path, contents, found) if topics else []
-        besides = (*map(_not_chosen, others), *_others(contents, [*found, *others]))
+        besides = _others(contents, found)
         bags: dict[str, Bag | BagError] = {}
         for body in found:
             bag = cls.__new__(cls)
@@ -230,10 +228,9 @@ class Bag(BagFacts):
             stamped=twist.message_type == TWIST_STAMPED,
             library=contents.library,
             scenario_texts=read_scenarios(self._path, contents, scenario),
-            expected_samples=_expected_samples(self._path, contents),
+            expected_samples=_expected_samples(contents),
             publish_time_mismatches=sum(track.publish_time_mismatches for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
-            without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
             sensors={name: track for name, track in body.tracks.items() if name not in BODY_TOPICS},
             name=str(files.path),
@@ -336,7 +333,7 @@ def read_scenarios(path: Path, contents: McapContents, track: RawTopic) -> list[
     for time, text in texts_on(path, contents, track):
         is_new = text not in distinct
         kept.append((time, distinct.setdefault(text, text)))
-        if is_new and (len(distinct) > MAX_SEGMENTS or not _is_scenario(text)):
+        if is_new and not _is_scenario(text):
             break
     return kept
 
@@ -349,11 +346,6 @@ def _is_scenario(text: str) -> bool:
     return True
 
 
-def _not_chosen(body: Body) -> str:
-    topic = next(track.topic for track in body.tracks.values() if track.count)
-    return f"body {body.name or '/'} ({topic} and what goes with it), which was not asked for"
-
-
 def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     """Contents of a bag besides some bodies, in words."""
     own = [track for body in known for track in body.tracks.values()]
@@ -361,16 +353,12 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     besides = [track for track in contents.tracks.values() if not any(track is each for each in own)]
     topics = [
         f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
-        "which no scenario determines"
-        for track in besides[:_MAX_OTHERS]
+        "which the scenarios of the body do not determine"
+        for track in besides
     ]
-    if len(besides) > _MAX_OTHERS:
-        topics.append(f"{len(besides) - _MAX_OTHERS} more topics, which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 
-def _expected_samples(path: Path, contents: McapContents) -> int | None:
-    text = contents.metadata.get(METADATA, {}).get("samples")
-    if text is not None and not re.fullmatch("[0-9]{1,18}", text):
-        raise BagError(f"{path} is damaged: its metadata counts {text!r} samples: record it again")
-    return None if text is None else int(text)
+def _expected_samples(contents: McapContents) -> int | None:
+    text = contents.metadata.get(METADATA, {}).get("samples", "")
+    return int(text) if text.isdecimal() else None

@@ -140,8 +140,6 @@ class McapContents:
         The latest log time, ns.
     again : list of callable
         For each file, which was found whole, a function that reads the messages of some tracks in it again.
-    without_checksum : int
-        Chunks, or files without chunks, whose bytes stand under no checksum.
     """
 
     wanted: TopicFilter = nothing
@@ -152,7 +150,6 @@ class McapContents:
     attachments: int = 0
     last_ns: int = 0
     again: list[Callable[[Collection[TopicKey], Progress], Iterator[ChunkMessages]]] = field(default_factory=list)
-    without_checksum: int = 0
 
     def read(self, keys: Collection[TopicKey], progress: Progress = unheard) -> Iterator[ChunkMessages]:
         """Messages of some tracks, part by part, perhaps among others: those that were kept, or else read again.

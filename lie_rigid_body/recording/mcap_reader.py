@@ -93,7 +93,6 @@ def _read_again(
     """Messages of some tracks in a file that was read before, and was in some state then; see `McapContents.read`."""
     with closing(FileBytes(path)) as file:
         try:
-            require(file.state() == state, "it is another file")
             for begin, end, there in places:
                 channels = {key: own for key, own in there.items() if key in keys}
                 yield _found_again(file[begin:end], channels) if channels else {}
@@ -126,8 +125,6 @@ class _FileReader:
         self._places: list[_Place] = []
         self._summary = Summary()
         self._crc = zlib.crc32(MAGIC)  # of the data section
-        self._chunks = 0
-        self._bare_chunks = 0
         self._is_over = False  # the data section
         self.at = 0
 
@@ -191,15 +188,10 @@ class _FileReader:
         declared = int.from_bytes(content[:4], "little")
         require(declared in (0, self._crc), f"the checksum of its data section is {self._crc:08x}, not {declared:08x}")
         self._is_over = True
-        if not declared:
-            self._contents.without_checksum += self._bare_chunks or not self._chunks
 
     def _take_messages(self, part: Place, raw: bytes) -> ChunkMessages:
         """Take messages in a chunk or in none; return those that are wanted."""
         chunk, hints = chunk_of(raw)
-        if chunk is not None:
-            self._chunks += 1
-            self._bare_chunks += not chunk.uncompressed_crc
         data = decompress(chunk) if chunk else raw
         table = find_messages(data, hints)
         is_whole = len(table.data) == len(data)
@@ -241,10 +233,8 @@ class _FileReader:
         require(not (is_record and self._file[-len(MAGIC) :] == MAGIC), "a record is longer than the file")
         count = self._summary.counts.total()
         if self._is_over:
-            goes_on = self._file[end : end + len(MAGIC)] == MAGIC
-            how = "goes on behind its end" if goes_on else "breaks off in its summary"
             behind = f"at byte {end}, behind all of its {counted(count, 'message')}"
-            return BagError(f"{path} {how} {behind}: write it whole with {RESCUE}")
+            return BagError(f"{path} breaks off in its summary {behind}: write it whole with {RESCUE}")
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
         return BagError(
             f"{path} was cut off behind byte {end}, or is still being written: it {holds}: rescue them with {RESCUE}"

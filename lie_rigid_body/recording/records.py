@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.errors import BagError, InputError
-from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES, MAX_DEFINITION_BYTES, open_file
+from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES, open_file
 from lie_rigid_body.system.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
@@ -61,14 +61,8 @@ _TOGETHER: Final[dict[tuple[int, int], int]] = {
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
 }
 """Reach in bytes, by kinds of records: records of these kinds within it are read together with the first."""
-MAX_DEFINITIONS: Final = 2 * 2**16
-"""Largest number of schemas and channels of a chunk: each has a number of 16 bits."""
 _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
-_LARGE: Final = (Chunk, Attachment)
-"""Records with data beside their fields."""
-_CHUNK_FIXED_BYTES: Final = struct.calcsize("<QQQII")
-"""Bytes of a chunk before the name of its compression, behind which stands the size of its records."""
 _KINDS: Final[dict[int, type[McapRecord]]] = {
     Opcode.HEADER: Header,
     Opcode.SCHEMA: Schema,
@@ -205,26 +199,15 @@ def parsed(opcode: int, content: bytes) -> Any:
     Raises
     ------
     DamageError
-        If it is none of its kind, or larger than is read.
+        If it is none of its kind.
     """
     kind: Any = _KINDS.get(opcode)
     if kind is None:
         return None
-    name = kind.__name__.lower()
-    if kind not in _LARGE and len(content) > MAX_DEFINITION_BYTES:
-        raise ExcessError(f"a {name} of {len(content)} bytes")
     try:
-        record = kind.read(ReadDataStream(BytesIO(content)))
+        return kind.read(ReadDataStream(BytesIO(content)))
     except UNREADABLE:
-        raise DamageError(f"a record that is no {name}") from None
-    # the library takes the end of the content for that of a field; what is large is not copied to see
-    if kind is Chunk:
-        at = _CHUNK_FIXED_BYTES + len(record.compression.encode())
-        is_whole = int.from_bytes(content[at : at + 8], "little") == len(record.data)
-    else:
-        is_whole = kind is Attachment or content.startswith(record_bytes(record)[RECORD_HEAD.size :])
-    require(is_whole, f"the fields of a {name} have other lengths than they say")
-    return record
+        raise DamageError(f"a record that is no {kind.__name__.lower()}") from None
 
 
 def record_bytes(*records: McapRecord) -> bytes:
@@ -282,12 +265,6 @@ class MessageTable:
         parts = zip(channels.tolist(), np.split(rows, np.cumsum(counts[channels])[:-1]), strict=False)
         return dict(sorted(parts, key=lambda part: int(part[1][0, 1])))
 
-    def require_times(self) -> None:
-        """Refuse times beyond 64 bits with a sign."""
-        for name in ("log_time", "publish_time"):
-            latest = int(self.heads[name].max(initial=0))
-            require(latest <= MAX_TIME, f"the {name} of a message is {latest} ns, beyond {MAX_TIME}")
-
 
 def chunk_of(raw: bytes) -> tuple[Chunk | None, Integers]:
     """Chunk of a part of a file, and the places that the indexes behind it name; None and no places of messages."""
@@ -340,7 +317,6 @@ def find_messages(data: bytes, hints: Integers = NO_HINTS) -> MessageTable:
                 require(place.end - place.start >= HEAD.itemsize, "a message record is too short")
                 starts.append(place.start)
             elif place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                require(len(definitions) < MAX_DEFINITIONS, f"a chunk of over {MAX_DEFINITIONS} definitions")
                 definitions.append(place)
         if position != behind[gap] and len(hinted.starts):
             return find_messages(data)

@@ -8,16 +8,15 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.segments import (
-    declared_segments,
     number_samples,
     segment_parts,
-    segments_with_samples,
 )
 from lie_rigid_body.recording.topic_messages import TakeReadings, TopicMessages
 from lie_rigid_body.simulation import SampleClock, Segment
@@ -31,7 +30,7 @@ _HELD_BACK: Final = 1024
 
 
 @short_dataclass
-class Block:
+class Block(Stamped):
     """Samples that have both pose and twist, in the order of their stamps.
 
     Parameters
@@ -51,28 +50,12 @@ class Block:
     position: Array
     body_velocity: Array
 
-    def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
-        return Block(
-            self.samples[rows],
-            self.stamps_ns[rows],
-            self.states[rows],
-            self.position[rows],
-            self.body_velocity[rows],
-        )
-
     @classmethod
-    def joined(cls, blocks: Sequence[Block]) -> Block:
+    def joined(cls, parts: Iterable[Block]) -> Block:
         """Samples of blocks that follow each other, or of none."""
         none = np.empty(0, dtype=np.int64)
-        attitudes = [b.states.attitude_xyzw for b in blocks]
-        rates = [b.states.body_rate for b in blocks]
-        return cls(
-            np.concatenate([none, *(b.samples for b in blocks)]),
-            np.concatenate([none, *(b.stamps_ns for b in blocks)]),
-            State.trusted(np.concatenate([np.empty((0, 4)), *attitudes]), np.concatenate([np.empty((0, 3)), *rates])),
-            np.concatenate([np.empty((0, 3)), *(b.position for b in blocks)]),
-            np.concatenate([np.empty((0, 3)), *(b.body_velocity for b in blocks)]),
-        )
+        vectors = np.empty((0, 3))
+        return super().joined([cls(none, none, State.trusted(np.empty((0, 4)), vectors), vectors, vectors), *parts])
 
 
 def _ordered(topic: TopicMessages, until: int) -> TopicMessages:
@@ -84,17 +67,15 @@ def _ordered(topic: TopicMessages, until: int) -> TopicMessages:
     return topic
 
 
-def _together(pose: TopicMessages, twist: TopicMessages) -> tuple[Block, Integers]:
-    """Samples of ordered poses and twists, and the stamps that only one of the topics has."""
-    alone = pose.stamps_ns[:0]
+def _together(pose: TopicMessages, twist: TopicMessages) -> Block:
+    """Samples of ordered poses and twists: the stamps that both topics have."""
     if not np.array_equal(pose.stamps_ns, twist.stamps_ns):
-        alone = np.setxor1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True)
         _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
         pose = pose[both[0]]
         twist = twist[both[1]]
     states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())
     numbers = np.zeros_like(pose.stamps_ns)
-    return Block(numbers, pose.stamps_ns, states, pose.values[:, :3], twist.values[:, :3]), alone
+    return Block(numbers, pose.stamps_ns, states, pose.values[:, :3], twist.values[:, :3])
 
 
 def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -> Iterator[Topics]:
@@ -138,9 +119,7 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
         )
 
 
-def paired(
-    bag: Bag | Recording, segments: Sequence[Segment], batches: Batches
-) -> Iterator[tuple[Topics, Block, Integers]]:
+def paired(bag: Bag | Recording, segments: Sequence[Segment], batches: Batches) -> Iterator[tuple[Topics, Block]]:
     """Put poses and twists of one stamp together as they come; what is too late, alone or doubled is left out.
 
     Parameters
@@ -157,8 +136,6 @@ def paired(
         Poses and twists that were read; none behind the last ones.
     block : Block
         Samples that are complete by that, not numbered.
-    alone : ndarray of int64
-        Stamps among them that only one of the two topics has.
     """
     waiting: Topics = ()
     until = int(np.iinfo(np.int64).min)
@@ -168,9 +145,9 @@ def paired(
         if all(len(topic) > _HELD_BACK for topic in waiting):  # none is expected any more that comes before these
             until = min(int(topic.stamps_ns[-1 - _HELD_BACK]) for topic in waiting)
         ends = [int(np.searchsorted(topic.stamps_ns, until, side="right")) for topic in waiting]
-        yield topics, *_together(*(topic[:end] for topic, end in zip(waiting, ends, strict=True)))
+        yield topics, _together(*(topic[:end] for topic, end in zip(waiting, ends, strict=True)))
         waiting = tuple(topic[end:] for topic, end in zip(waiting, ends, strict=True))
-    yield (), *_together(*waiting)
+    yield (), _together(*waiting)
 
 
 def numbered(segments: Sequence[Segment], samples: Iterable[Block]) -> Iterator[tuple[int, Block]]:
@@ -196,40 +173,7 @@ def numbered_blocks(
     sensors, take : optional
         Topics that are read as well, and what takes their messages; see `Bag.batches`.
     """
-    return numbered(segments, (block for _, block, _ in paired(bag, segments, bag.batches(sensors, take))))
-
-
-def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segment]]:
-    """All samples that have both pose and twist, in the order of their stamps, not numbered, and the segments.
-
-    Parameters
-    ----------
-    bag : Recording
-
-    Returns
-    -------
-    samples : Block
-    declared : list of Segment
-        All segments that the bag declares, in the order of their starts.
-    segments : list of Segment
-        Those of them that have samples or lack them; see `segments_with_samples`.
-
-    Raises
-    ------
-    BagError, ParameterError
-        See `declared_segments` and `require_samples`.
-    """
-    declared = [*declared_segments((text for _, text in bag.scenario_texts), bag.name).values()]
-    blocks = list[Block]()
-    seen = set[int]()
-    for topics, block, _ in paired(bag, declared, bag.batches()):
-        blocks.append(block)
-        seen.update(i for topic in topics for i, _ in segment_parts(declared, topic.stamps_ns))
-    samples = Block.joined(blocks)
-    first_ns = min(int(topic.stamps_ns.min()) for topic in ([bag.poses, bag.twists] if bag.stamped else [bag.poses]))
-    require_samples(bag.name, declared, first_ns, len(samples.stamps_ns))
-    places = segments_with_samples(declared, seen, whole=bag.is_original)
-    return samples, declared, [declared[i] for i, _ in places]
+    return numbered(segments, (block for _, block in paired(bag, segments, bag.batches(sensors, take))))
 
 
 def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count: int) -> None:

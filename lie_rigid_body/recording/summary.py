@@ -20,8 +20,7 @@ from mcap.records import (
     Statistics,
 )
 
-from lie_rigid_body.recording.records import MAX_TIME, ExcessError, MessageTable, parsed, require
-from lie_rigid_body.system.bounded_input import MAX_DECLARATION_BYTES
+from lie_rigid_body.recording.records import MAX_TIME, MessageTable, parsed, require
 
 
 class Summary:
@@ -47,7 +46,6 @@ class Summary:
         self.chunks: list[ChunkIndex] = []
         self._attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
-        self._declared_bytes = 0
 
     def read(self, opcode: int, content: bytes) -> Any:
         """Parse a record that stands in no chunk, and add what it declares.
@@ -58,14 +56,12 @@ class Summary:
             See `declare` and `parsed`.
         """
         record = parsed(opcode, content)
-        if isinstance(record, Metadata) or (isinstance(record, Schema | Channel) and self.declare(record)):
-            self._declared_bytes += len(content)
-            if self._declared_bytes > MAX_DECLARATION_BYTES:
-                raise ExcessError(f"names and definitions of {self._declared_bytes} bytes")
+        if isinstance(record, Schema | Channel):
+            self.declare(record)
         return record
 
-    def declare(self, record: Schema | Channel) -> bool:
-        """Add a schema or a channel, and return whether it is a new one.
+    def declare(self, record: Schema | Channel) -> None:
+        """Add a schema or a channel.
 
         Raises
         ------
@@ -77,10 +73,8 @@ class Summary:
             is_known = record.schema_id in (0, *self.schemas)
             require(is_known, f"the schema of topic {record.topic:.100} is not declared before it")
             declared = self.channels
-        is_new = record.id not in declared
         same = declared.setdefault(record.id, record)
         require(same == record, f"it has two different records of {type(record).__name__.lower()} {record.id}")
-        return is_new
 
     def add_messages(self, table: MessageTable) -> None:
         """Add the messages of a chunk, with the schemas and channels in it, or messages that stand in none.
@@ -88,15 +82,13 @@ class Summary:
         Raises
         ------
         DamageError
-            See `read`; or if there is a message of a channel that is not declared, or of a time beyond 64 bits. Then
-            nothing is added.
+            See `read`; or if there is a message of a channel that is not declared. Then nothing is added.
         """
         schemas = {**self.schemas}
         channels = {**self.channels}
         try:
             for place in table.definitions:
                 self.read(place.opcode, table.data[place.begin : place.end])
-            table.require_times()
             unknown = min(table.index.keys() - self.channels.keys(), default=None)
             require(unknown is None, f"it has a message of channel {unknown}, which is not declared before it")
         except Exception:

@@ -17,7 +17,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shortened, shown, suggestion
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
-from lie_rigid_body.recording.bag_files import missing_beside, whole_of
+from lie_rigid_body.recording.bag_files import whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic, TopicKey
 from lie_rigid_body.recording.topic_messages import texts
 
@@ -82,16 +82,6 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
         tracks = {name: given.get(name) or _find(path, contents, name, near) for name in BODY_TOPICS}
         found = [(tracks, told_topics(path, contents, [tracks[SCENARIO]]).get(tracks[SCENARIO].key, {}), None)]
     return [_body(path, contents, *each, given, alone=len(found) == 1) for each in found]
-
-
-def other_bodies(path: Path, contents: McapContents, own: Sequence[Body]) -> list[Body]:
-    """The bodies of a bag besides those that a user chose."""
-    try:
-        found = bodies(path, contents, {})
-    except BagError:  # what is beside the chosen one need not be whole
-        return []
-    poses = [body.tracks[POSE].topic for body in own]
-    return [body for body in found if body.tracks[POSE].topic not in poses]
 
 
 def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> Body:
@@ -219,12 +209,7 @@ def _missing(path: Path, contents: McapContents, name: str) -> BagError:
 def _remedy(path: Path, otherwise: str) -> str:
     """Remedy where a topic is missing: it may be in another file of a bag that was split."""
     whole = whole_of(path)
-    if whole is not None:
-        return f"it is one file of a bag that was split: give the folder {whole}"
-    missing = missing_beside(path)
-    if missing is not None:
-        return f"restore file {missing} of a bag that was split, if it is one of that, or record it"
-    return otherwise
+    return otherwise if whole is None else f"it is one file of a bag that was split: give the folder {whole}"
 
 
 def _several(path: Path, name: str, found: list[RawTopic]) -> ChoiceError:
@@ -299,31 +284,17 @@ def _body(
     if silent and fault is None:
         remedy = _remedy(path, "record it while the body is published")
         fault = BagError(f"{path} has no message on {silent[0]}: {remedy}")
-    unknown = listed(sorted(names.keys() - topic_types().keys()))
-    if unknown and fault is None:
-        fault = BagError(f"{path}: {tracks[SCENARIO].topic} names topics that no body has, {unknown}: restore the bag")
     if fault is not None and alone:
         raise fault
     told = _tracks(contents, {name: names[name] for name in names.keys() & SENSOR_TOPICS.keys()})
     found = {name: given.get(name) or told.get(name) for name in SENSOR_TOPICS}
-    sensors = {name: track or _sensor(contents, name, tracks, alone=alone) for name, track in found.items()}
+    sensors = {name: track or _sensor(contents, name, tracks) for name, track in found.items()}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
     return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in BODY_TOPICS}, **there}, fault)
 
 
-def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTopic | None:
-    """The track of what a sensor reads in the body's namespace; of a body that is alone the only one of that name."""
+def _sensor(contents: McapContents, name: str, tracks: Tracks) -> RawTopic | None:
+    """The track of what a sensor reads in the body's namespace, or of a private topic of its node."""
     last = name.removeprefix("~/")
-    private = last != name  # of the node, one name below its namespace
-    beside = tracks[SCENARIO if private else POSE].topic.rpartition("/")[0]
-    own = _track(contents, topic_types()[name], f"{beside}/{last}")
-    poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
-    alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
-    elsewhere = [t for t in alike if f"{_home(t.topic.removesuffix(last), private=private)}/{POSE}" not in poses]
-    return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)
-
-
-def _home(prefix: str, *, private: bool) -> str:
-    """The namespace of the node whose topic begins so."""
-    above = prefix.rstrip("/")
-    return above.rpartition("/")[0] if private else above
+    beside = tracks[POSE if last == name else SCENARIO].topic.rpartition("/")[0]
+    return _track(contents, topic_types()[name], f"{beside}/{last}")

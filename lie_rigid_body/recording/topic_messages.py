@@ -19,6 +19,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
 from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transform, decode_transforms
@@ -71,7 +72,7 @@ fields that are no values."""
 
 
 @short_dataclass
-class TopicMessages:
+class TopicMessages(Stamped):
     """Messages of a topic of float64 fields, in file order, with every field.
 
     Attributes
@@ -94,32 +95,20 @@ class TopicMessages:
     kinds: tuple[Kind, ...]
     kind: Integers
 
-    def __len__(self) -> int:
-        return len(self.stamps_ns)
-
     @property
     def frame_ids(self) -> set[str]:
         """Names of the frames that the messages have."""
         present = np.unique(self.kind) if len(self.kinds) > 1 else range(len(self.kinds))
         return {frame for frame, _ in (self.kinds[number] for number in present) if frame is not None}
 
-    def __getitem__(self, rows: slice | Integers | Booleans) -> TopicMessages:
-        return TopicMessages(
-            self.log_times_ns[rows], self.stamps_ns[rows], self.values[rows], self.kinds, self.kind[rows]
-        )
-
     @classmethod
-    def joined(cls, parts: Sequence[TopicMessages]) -> TopicMessages:
+    def joined(cls, parts: Iterable[TopicMessages]) -> TopicMessages:
         """Messages that continue each other as one."""
+        parts = list(parts)
         kinds = {kind: i for i, kind in enumerate(dict.fromkeys(kind for part in parts for kind in part.kinds))}
         own = [np.array([kinds[kind] for kind in part.kinds], dtype=np.int64) for part in parts]
-        return cls(
-            np.concatenate([part.log_times_ns for part in parts]),
-            np.concatenate([part.stamps_ns for part in parts]),
-            np.concatenate([part.values for part in parts]),
-            tuple(kinds),
-            np.concatenate([numbers[part.kind] for numbers, part in zip(own, parts, strict=True)]),
-        )
+        kind = np.concatenate([numbers[part.kind] for numbers, part in zip(own, parts, strict=True)])
+        return replace(super().joined(parts), kinds=tuple(kinds), kind=kind)
 
     @classmethod
     def none_of(cls, message_type: str) -> TopicMessages:
@@ -242,7 +231,7 @@ def in_log_order(messages: Logged) -> Logged:
 
 
 @short_dataclass
-class AttitudeTrack:
+class AttitudeTrack(Stamped):
     """The attitudes of one topic, in file order, or in the order of their log times.
 
     Attributes
@@ -255,7 +244,7 @@ class AttitudeTrack:
     covariance : ndarray, shape (N, 3, 3), or None
         As recorded, of small rotations about x, y, z, rad²; None for a type that has none.
     position : ndarray, shape (N, 3), or None
-        As recorded, m; None for a type that has none, and of parts that were joined.
+        As recorded, m; None for a type that has none.
     frame, child_frame : str
         Names of the frames; the child's is empty for a type that has none.
     """
@@ -269,33 +258,6 @@ class AttitudeTrack:
     frame: str
     child_frame: str = ""
     position: Array | None = None
-
-    def __len__(self) -> int:
-        return len(self.stamps_ns)
-
-    def __getitem__(self, rows: slice | Integers | Booleans) -> AttitudeTrack:
-        return replace(
-            self,
-            stamps_ns=self.stamps_ns[rows],
-            log_times_ns=self.log_times_ns[rows],
-            attitude_xyzw=self.attitude_xyzw[rows],
-            covariance=None if self.covariance is None else self.covariance[rows],
-            position=None if self.position is None else self.position[rows],
-        )
-
-    @classmethod
-    def joined(cls, parts: Iterable[AttitudeTrack]) -> AttitudeTrack:
-        """Attitudes of one topic that continue each other as one; of at least one part."""
-        first, *rest = parts
-        covariances = [part.covariance for part in (first, *rest) if part.covariance is not None]
-        return replace(
-            first,
-            stamps_ns=np.concatenate([first.stamps_ns, *(part.stamps_ns for part in rest)]),
-            log_times_ns=np.concatenate([first.log_times_ns, *(part.log_times_ns for part in rest)]),
-            attitude_xyzw=np.concatenate([first.attitude_xyzw, *(part.attitude_xyzw for part in rest)]),
-            covariance=np.concatenate(covariances) if covariances else None,
-            position=None,
-        )
 
 
 def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frames | None = None) -> AttitudeTrack:

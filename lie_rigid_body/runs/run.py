@@ -30,7 +30,7 @@ from lie_rigid_body.motion.kicks import Kicks
 from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.logs import Log, read_log
-from lie_rigid_body.recording.samples import samples_in_memory
+from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.recording.topic_discovery import require_topics
 from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag, write_log
 from lie_rigid_body.runs.blind_scenario import BlindScenario
@@ -224,10 +224,15 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         ParameterError
             If it declares a scenario that cannot be.
         """
+        from lie_rigid_body.certificate.survey import Surveyor
+
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
         recording = Bag(path, topics=topics, in_memory=True).load()
-        samples, declared, segments = samples_in_memory(recording)
+        surveyor = Surveyor(recording)
+        samples = Block.joined(surveyor.samples())
+        declared = surveyor.segments
+        segments = tuple(found.segment for found in surveyor.result().segments)
         found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
         told = recording.readings.get(FAULTS_TOPIC)
         has_faults = any(each.scenario.sensors.has_faults for each in declared)  # else they are of others
@@ -240,7 +245,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             samples.stamps_ns,
             samples.states,
             {key: arrays for key, arrays in found.items() if arrays is not None},
-            tuple(segments),
+            segments,
             faults,
             recording,
         )

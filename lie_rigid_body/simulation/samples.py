@@ -10,6 +10,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.motion.mass_centre import MassCentre
@@ -18,7 +19,7 @@ from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
 
 @short_dataclass
-class Samples:
+class Samples(Stamped):
     """States and their stamps.
 
     Parameters
@@ -39,23 +40,9 @@ class Samples:
         """Times at which the samples are sent and logged, ns: their stamps."""
         return self.stamps_ns
 
-    def __len__(self) -> int:
-        return len(self.stamps_ns)
-
-    def __getitem__(self, rows: slice | Booleans) -> Samples:
-        return Samples(self.stamps_ns[rows], self.states[rows], None if self.centre is None else self.centre[rows])
-
-    def joined(self, later: Samples) -> Samples:
-        """Join these samples and later ones."""
-        stamps_ns = np.concatenate([self.stamps_ns, later.stamps_ns])
-        states = self.states.joined(later.states)
-        if self.centre is None or later.centre is None:
-            return Samples(stamps_ns, states)
-        return Samples(stamps_ns, states, self.centre.joined(later.centre))
-
 
 @short_dataclass
-class SensorSamples:
+class SensorSamples(Stamped):
     """Readings of a sensor with their times.
 
     Parameters
@@ -74,22 +61,6 @@ class SensorSamples:
     stamps_ns: Integers
     lost: Booleans
     arrays: Mapping[str, Array]
-
-    def __len__(self) -> int:
-        return len(self.times_ns)
-
-    def __getitem__(self, rows: slice | Booleans) -> SensorSamples:
-        arrays = {name: array[rows] for name, array in self.arrays.items()}
-        return SensorSamples(self.times_ns[rows], self.stamps_ns[rows], self.lost[rows], arrays)
-
-    def joined(self, later: SensorSamples) -> SensorSamples:
-        """Join these samples and later ones."""
-        return SensorSamples(
-            np.concatenate([self.times_ns, later.times_ns]),
-            np.concatenate([self.stamps_ns, later.stamps_ns]),
-            np.concatenate([self.lost, later.lost]),
-            {name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()},
-        )
 
     def received(self) -> SensorSamples:
         """Leave out the readings that never arrive."""
@@ -157,7 +128,7 @@ class SampleQueue(Generic[R]):
             except ParameterError:
                 # the stamps end before that, though perhaps not before the samples that are wanted
                 rows = self._compute(self._clock.stamps_ns(self._next, missing))
-            self._ready = self._ready.joined(rows) if len(self._ready) else rows
+            self._ready = self._ready.joined([self._ready, rows]) if len(self._ready) else rows
             self._next += len(rows)
 
     def take(self, count: int) -> R:
@@ -184,8 +155,7 @@ class Measurement:
     model : SensorModel
     clock : SampleClock
         Of the measurements.
-    arrivals : Arrivals or None
-        None: every reading arrives at the time of its measurement, which is its stamp.
+    arrivals : Arrivals
     first, next : int
         Number of the segment's first reading, and of the one that comes next.
     """
@@ -198,8 +168,7 @@ class Measurement:
         self.model = scenario.sensors.on[name]
         self.clock = SampleClock(scenario.epoch_ns, self.model.rate)
         self.first = self.clock.count_until(start_ns - 1)
-        delivery = self.model.delivery
-        self.arrivals = None if delivery is None else Arrivals(self.clock, self.first, start_ns, delivery)
+        self.arrivals = Arrivals(self.clock, self.first, start_ns, self.model.delivery)
         self._instrument = SENSORS[name].make(self.model, scenario.carrier())
         before_ns = self.clock.stamp_ns(self.first - 1) - start_ns
         self._instrument.begin_after(before_ns, lambda: scenario.exact_motion().at(before_ns))
@@ -209,7 +178,7 @@ class Measurement:
         """The next readings, which are measured at some times, ns."""
         number = self.next
         times = measured_ns - self._start_ns
-        arrived = self._arrived(number, measured_ns)  # first, as it may be refused
+        arrived = self.arrivals.of(number, measured_ns)  # first, as it may be refused
         self.next += len(times)
         readings = self._instrument.measure(times, self._motion.at(times), number - self.first)
         return SensorSamples(*arrived, readings)
@@ -221,11 +190,5 @@ class Measurement:
         times = measured_ns - self._start_ns
         self.next += count
         signals = self._instrument.signals(times, self._motion.at(times), number - self.first)
-        arrived_ns, _, lost = self._arrived(number, measured_ns)
+        arrived_ns, _, lost = self.arrivals.of(number, measured_ns)
         return arrived_ns, lost, signals
-
-    def _arrived(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
-        """Arrival times and stamps of readings, ns, and which of them are lost."""
-        if self.arrivals is None:
-            return measured_ns, measured_ns, np.zeros(len(measured_ns), dtype=np.bool_)
-        return self.arrivals.of(number, measured_ns)

@@ -16,24 +16,12 @@ import yaml
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 
-MAX_NUMBER_LENGTH: Final = 1000
-"""Largest length of a number in YAML, characters: of parts with colons between them it is computed part by part."""
 MAX_CHUNK_BYTES: Final = 256 * 2**20
 """Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
-MAX_NAME_LENGTH: Final = 4096
-"""Largest length of a name in a bag, such as that of a topic, a type, a frame or a library, characters."""
-MAX_DEFINITION_BYTES: Final = 2**20
-"""Largest size of the definition of a message type, bytes."""
 MAX_METADATA_BYTES: Final = 2**20
-"""Largest size of a metadata.yaml, and of the metadata of a channel or of a record, bytes."""
-MAX_DECLARATION_BYTES: Final = 64 * 2**20
-"""Largest size of all names, definitions and metadata of a file, bytes."""
-MAX_STRING_LENGTH: Final = 2**20
-"""Largest size of a text in a message, bytes."""
+"""Largest size of a metadata.yaml, bytes."""
 _REAL: Final = re.compile(r"\s*[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf(inity)?|nan)\s*", re.ASCII | re.IGNORECASE)
 """How programs write numbers. Python also reads underscores and the digits of all scripts, which tell of a mistake."""
-NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
-"""Tags of numbers in YAML."""
 
 
 def real(text: str) -> float:
@@ -147,15 +135,6 @@ class BoundedLoader(yaml.SafeLoader):
                 raise yaml.MarkedYAMLError(problem=f"{key.value!r} is given twice", problem_mark=key.start_mark)
             before.add(key.value)
         return node
-
-    def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
-        """Refuse a number without end."""
-        if node.tag in NUMBERS and len(node.value) > MAX_NUMBER_LENGTH:
-            raise yaml.MarkedYAMLError(
-                problem=f"a number of {len(node.value)} characters, where {MAX_NUMBER_LENGTH} are read",
-                problem_mark=node.start_mark,
-            )
-        return str(super().construct_scalar(node))
 
 
 def load_json(text: str | bytes, source: str, kind: str = "a JSON file") -> Any:

@@ -24,7 +24,6 @@ from lie_rigid_body.foundation.errors import (
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system.interruption import Interruption
-from lie_rigid_body.system.portable import limit
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -36,8 +35,6 @@ INTERRUPTED: Final = 130
 
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
-_MIN_MEMORY: Final = 400_000_000
-"""Smallest memory that the libraries may need, bytes. With less some of them end the process in words of their own."""
 
 
 Main = Callable[[Sequence[str] | None], int]
@@ -172,13 +169,6 @@ def _printable(line: str, stream: TextIO) -> str:
     return printable(line).encode(encoding, "backslashreplace").decode(encoding)
 
 
-def _require_memory() -> None:
-    """Refuse a limit of memory, as by ``ulimit -v``, within which the libraries cannot work."""
-    memory = limit("RLIMIT_AS")
-    if memory < _MIN_MEMORY:
-        raise InputError(f"memory is limited to {size(int(memory))} (ulimit -v): allow {size(_MIN_MEMORY)} at least")
-
-
 def seconds(stamp_ns: int) -> str:
     """A stamp in seconds, to the nanosecond."""
     return f"{stamp_ns // NS}.{stamp_ns % NS:09d}"
@@ -235,7 +225,6 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
     with Interruption.heeded(to_the_end=to_the_end):
         try:
-            _require_memory()
             return action()
         except SystemExit as request:
             if not isinstance(request.code, str):

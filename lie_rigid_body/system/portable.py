@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
+_OTHERS_WRITE: Final = stat.S_IWGRP | stat.S_IWOTH
 MAX_PROCESSES: Final = 9999
 """Largest number of processes that a caller may ask for."""
 
@@ -61,44 +62,7 @@ def real_path(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def user() -> int:
-    """Number of the user whose rights this process has; 0, that of every file, where users have none."""
-    return os.geteuid() if hasattr(os, "geteuid") else 0
-
-
 def is_private(folder: Path) -> bool:
-    """Whether only this user, and the system itself, may write to a folder or put another in its place.
-
-    Where users have no numbers, the folders of a user are their own.
-    """
-    may_write = os.access(folder, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
-    if not hasattr(os, "geteuid"):
-        return may_write
-    above = [parent.stat() for parent in folder.resolve().parents]
-    own = folder.stat()
-    return (
-        own.st_uid == user()
-        and not _others_write(own)
-        and may_write
-        and not any(_others_write(state) and not state.st_mode & stat.S_ISVTX for state in above)
-        and all(state.st_uid in (0, user()) for state in above)
-    )
-
-
-def _others_write(state: os.stat_result) -> bool:
-    """Whether others may write to a folder: all, or a group that is not that of this user alone."""
-    by_group = state.st_mode & stat.S_IWGRP and state.st_gid != 0 and not _is_of_one(state.st_gid)
-    return bool(state.st_mode & stat.S_IWOTH or by_group)
-
-
-def _is_of_one(group: int) -> bool:
-    """Whether a group is of this user alone, as its name says: who has it as primary group is not among its members."""
-    import grp  # where users have numbers, groups have members
-    import pwd
-
-    try:
-        name = pwd.getpwuid(user()).pw_name
-        found = grp.getgrgid(group)
-    except (KeyError, OSError):  # a group or a user without a name
-        return False
-    return found.gr_name == name and not {*found.gr_mem} - {name}
+    """Whether a folder belongs to this user, and nobody else may write to it; where users have no numbers it does."""
+    state = folder.stat()
+    return not hasattr(os, "geteuid") or (state.st_uid == os.geteuid() and not state.st_mode & _OTHERS_WRITE)

@@ -13,16 +13,14 @@ PHRASES = {
     "bare twists": "which twist is of which pose",
     "recorder's log times": "log times: a recorder's",
     "beside the messages": "what stands beside the messages: attachments, sequence numbers, ",
-    "stray": "topic {topic} ({count} messages), which no scenario determines",
-    "another type": "topic {topic} (as {kind}, 0 messages), which no scenario determines",
+    "stray": "topic {topic} ({count} messages), which the scenarios of the body do not determine",
+    "another type": "topic {topic} (as {kind}, 0 messages), which the scenarios of the body do not determine",
     "another version": "the scenario is of '{software}'",
     "scenarios again": "scenario messages that repeat another one: {count}",
     "samples in half": "poses and twists without the other of their stamp: {count}",
     "scenarios without a sample": "scenarios without a sample: {count}",
     "faults again": "messages about faults that come again: {count}",
-    "too many faults": "{topic}: too many readings to compute the faults of all",
     "which clock": "{topic}: a reset changes the sensor's clock",
-    "too many readings": "{topic}: too many readings are missing to compute the others",
     "not to the bit": "It is not equal to the bit to what is computed here",
     # notes
     "silent": "no reading on {topic}: ",
@@ -34,7 +32,6 @@ PHRASES = {
     "lost": ", which the scenario loses",
     "late beginning": "begins with sample {sample}: those before it are not in the bag",
     "another clock": "does not follow the clock of the one before it",
-    "contradiction": "contradicts the one whose samples came before it",
     "fault missing": "{topic}: 1 missing, the first: ",
     "fault unknown": "{topic}: 1 of which the scenario makes none, the first: message {message} (",
     "fault twice": "{topic}: 1 twice, the first: message {message} (",
@@ -45,6 +42,7 @@ refused = refusals(
     {
         BagError: {
             "unpaired": "{twists} twists without stamps cannot be paired with {poses} poses",
+            "too many missing": "{topic}: {count} readings are missing before reading {number}",
             "too early": "before the first scenario message",
         }
     }

@@ -13,7 +13,7 @@ from sensor_bags import EPOCH, EVERY, IMU, LATE, LATER, LOST, START, broken, cer
 from tampering import at, declared, on
 
 from foreign_bags import Message, messages_of
-from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
+from lie_rigid_body.certificate import Certificate, LawResult, certify
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.messages import encode_string
@@ -163,13 +163,6 @@ def test_a_size_of_another_library_is_the_same_but_for_its_last_bits(bag, tmp_pa
 def test_messages_are_logged_when_the_fault_begins(bag, tmp_path):
     found = certificate(bag, tmp_path, on(FAULTS, at(9, lambda m: m._replace(log_time=m.log_time + 1))))
     assert "log times" in broken(found)
-
-
-def test_faults_of_more_readings_than_can_be_looked_through_are_listed(bag, tmp_path, monkeypatch):
-    monkeypatch.setattr(told_faults, "MAX_SEARCHED", 100)
-    found = certify(Bag(bag))
-    assert found.passed
-    assert telling(found, "too many faults", topic=FAULTS)
 
 
 def test_other_faults_that_a_scenario_declares_are_caught(bag, tmp_path):

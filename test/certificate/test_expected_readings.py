@@ -29,7 +29,7 @@ def test_a_step_is_allowed_only_where_the_truth_may_be_on_either_side():
         ([0.0, np.nan, 2.0], False),
     ):
         residuals, limits = expected.residuals(np.array([recorded_]))
-        assert bool((residuals <= limits()).all()) == holds, recorded_
+        assert bool((residuals <= limits).all()) == holds, recorded_
 
 
 QUIET = Scenario.from_parameters({**BODY, **RATES, "motion": "closed_form", "sensor_seed": 3})

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import lie_rigid_body
+from foreign_bags import decode
 from lie_rigid_body import (
     ClosedForm,
     MovingChart,
@@ -135,7 +136,7 @@ def of_a_run(path: Path) -> list[Any]:
     recording = bag_reader.read_bag(path)
     certificate = certify(recording)
     encoders: list[Any] = [messages.PoseTwistEncoder(scenario), messages.TransformEncoder("a", "b")]
-    poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
+    poses = decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
     readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, *sensors]
     campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})

@@ -29,9 +29,6 @@ refused = refusals(
             # its content
             "cut off": r"(cut off.* holds? (at least \d+ )?whole messages|breaks off in its summary).* recover",
             "killed": "it holds at least {count} whole messages: .*lie-rigid-body recover",
-            "too much": r"messages of \d+ bytes in a file of \d+, more than is read",
-            "too much of one file": "messages of {size} bytes",
-            "segments": "declares {count} segments: at most {most} are read",
             # its topics
             "topics of a type": "no topic .*{name}.*/rosout",
             "no topic": "no topic {name}: ",
@@ -48,9 +45,7 @@ refused = refusals(
             "message cut": "topic {topic}: message {number} has {size} bytes.*: record the bag again",
             "no CDR": "topic {topic}: message {number} begins with {begin} .* not plain CDR",
             "compressed messages": "record without '--compression-mode message'",
-            "field": "are read|ends after|where its fields",
-            "frame": "frame of {size} bytes: at most {most} are read",
-            "text": "at most {most} are read",
+            "field": "ends after|where its fields|where its type",
             "no fault": "tells of no fault",
             "no scenario text": "does not explain itself",
             # writing
@@ -68,7 +63,6 @@ refused = refusals(
             "finished": "already finished",
         },
         InputError: {
-            "long number": "where {most} are read",
             "no JSON": "not readable as JSON",
             "no rows": "{name}: not readable as JSON|'league --json'",
             "no table": "is no table of a campaign",

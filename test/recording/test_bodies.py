@@ -99,12 +99,9 @@ def sensors(body: Body) -> dict[str, str]:
 def test_sensors_belong_to_the_body_of_their_namespace() -> None:
     two = found({**TWO, "/a/imu/data_raw": IMU, "/imu/bias": IMU})
     assert [sensors(body) for body in two] == [{"imu/data_raw": "/a/imu/data_raw"}, {}]
-    one = found({**BODY, "/front/imu/data_raw": IMU})
-    assert sensors(one[0]) == {"imu/data_raw": "/front/imu/data_raw"}
     faults = {**inside(""), **inside("/b"), "/lie_rigid_body/faults": TEXT}
     assert [sensors(body) for body in found(faults, pose="/b/pose")] == [{}]
     assert [sensors(body) for body in found(faults, pose="/pose")] == [{"~/faults": "/lie_rigid_body/faults"}]
-    assert sensors(found({**BODY, "/sensors/sim/faults": TEXT})[0]) == {"~/faults": "/sensors/sim/faults"}
     named = found({**BODY, "/front/imu/data_raw": IMU, "/imu2": IMU}, imu__data_raw="/imu2")
     assert sensors(named[0]) == {"imu/data_raw": "/imu2"}
 

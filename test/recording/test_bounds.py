@@ -12,35 +12,26 @@ from io import BytesIO
 from pathlib import Path
 
 import pytest
-import zstandard
-from forged import Record, chunk, framed, honest
+from forged import Record, honest
 from refused_bags import refused as refused_as
 
-from foreign_bags import PLAIN, Message, bag_of, file_of, messages_of, record, sized, text
+from foreign_bags import PLAIN, Message, bag_of, decode, file_of, messages_of, sized
 from lie_rigid_body import simulate
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.definition import OF_TABLE
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.evaluate import main as evaluate
-from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.league.table import rows_of
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
+from lie_rigid_body.messages.decoding import decode_odometry, decode_string, decode_transforms
 from lie_rigid_body.messages.definitions import STRING
-from lie_rigid_body.recording import summary
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import _MAX_OTHERS
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.mcap_contents import nothing
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.system.bounded_input import (
-    MAX_DEFINITION_BYTES,
-    MAX_NAME_LENGTH,
-    MAX_NUMBER_LENGTH,
-    MAX_STRING_LENGTH,
     load_json,
-    load_yaml,
 )
 from mutations import FIELDS
 
@@ -127,54 +118,6 @@ def test_every_length_of_a_record_head_at_its_largest_is_refused(tmp_path: Path)
         at += 9 + length
 
 
-@pytest.mark.parametrize("opcode", [3, 4, 12])
-def test_each_definition_has_a_bound(opcode: int, tmp_path: Path) -> None:
-    def content(size: int) -> bytes:
-        name = "n" * size
-        return {
-            3: struct.pack("<H", 9) + text(name) + text("ros2msg") + text(""),
-            4: struct.pack("<HH", 9, 0) + text("/x") + text("cdr") + sized(text("k") + text(name)),
-            12: text(name) + text(""),
-        }[opcode]
-
-    size = MAX_DEFINITION_BYTES - len(content(0))
-    path = tmp_path / "x.mcap"
-    path.write_bytes(framed(record(opcode, content(size))))
-    BagFiles(path).contents(nothing)
-    refused(framed(record(opcode, content(size + 1))), tmp_path)
-
-
-def with_chunk(content: bytes, chunk: bytes) -> bytes:
-    """A file with one more chunk, and without a summary."""
-    end = record(15, bytes(4))
-    return content[: content.rindex(end, 0, -8)] + chunk + end + record(2, bytes(20)) + content[-8:]
-
-
-def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_are_refused(
-    honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Names that inflate to 3 MB each, and more names than there may be, each just within its bound."""
-    monkeypatch.setattr(summary, "MAX_DECLARATION_BYTES", 8 * MIB)
-    definition = "d" * (MAX_DEFINITION_BYTES - 100)
-    many = [struct.pack("<H", 100 + i) + text("a/msg/B") + text("ros2msg") + text(definition) for i in range(1, 12)]
-    long = [
-        struct.pack("<HH", 100 + i, 0) + text("/" + chr(65 + i) * 3 * MIB) + text("cdr") + text("") for i in range(6)
-    ]
-    for opcode, contents in ((3, many), (4, long)):
-        inner = b"".join(record(opcode, content) for content in contents)
-        packed = zstandard.ZstdCompressor().compress(inner)
-        content = with_chunk(honest_bag, chunk("zstd", len(inner), packed))
-        assert len(content) < 60_000
-        path = tmp_path / "x.mcap"
-        path.write_bytes(content)
-        assert check([str(path)]) == 2
-        assert capsys.readouterr().err.count("\n") == 1
-        assert recover([str(path), "-o", str(tmp_path / f"fixed{opcode}.mcap")]) == 0
-        assert (tmp_path / f"fixed{opcode}.mcap").stat().st_size < 20 * len(honest_bag)
-        capsys.readouterr()
-    assert len(many) * len(definition) > 8 * MIB
-
-
 HEADER = b"\0\1\0\0" + bytes(8)
 STRINGS: dict[str, tuple[Callable[[bytes], object], bytes]] = {
     "frame of a pose": (lambda data: decode([data], 7, stamped=True), HEADER),
@@ -187,33 +130,12 @@ STRINGS: dict[str, tuple[Callable[[bytes], object], bytes]] = {
 
 
 @pytest.mark.parametrize("name", STRINGS)
-@pytest.mark.parametrize("length", [2**32 - 1, 2**31, MAX_STRING_LENGTH + 1])
+@pytest.mark.parametrize("length", [2**32 - 1, 2**31, 2**20 + 1])
 def test_every_length_of_a_message_at_its_largest_is_refused(name: str, length: int) -> None:
     read, before = STRINGS[name]
     for behind in (b"", bytes(500)):
         with refused_as("field"):
             read(before + struct.pack("<I", length) + behind)
-
-
-@pytest.mark.parametrize("name", ["frame of a pose", "frame of an odometry", "frame of a transform"])
-def test_a_frame_has_a_bound_though_the_message_is_as_long(name: str) -> None:
-    read, before = STRINGS[name]
-    with refused_as("frame", size=MAX_NAME_LENGTH + 1, most=MAX_NAME_LENGTH):
-        read(before + sized(b"f" * MAX_NAME_LENGTH + b"\0") + bytes(1000))
-
-
-def test_a_text_has_a_bound_though_the_message_is_as_long() -> None:
-    with refused_as("text", most=MAX_STRING_LENGTH):
-        decode_string(b"\0\1\0\0" + sized(bytes(MAX_STRING_LENGTH + 1)))
-
-
-@pytest.mark.parametrize(
-    "number", ["1" + 60 * MAX_NUMBER_LENGTH * ":1", "1" * 2000, "0x" + "f" * 2000, "1:" * 2000 + "1.5"]
-)
-def test_numbers_of_yaml_have_a_bound(number: str) -> None:
-    with refused_as("long number", most=MAX_NUMBER_LENGTH):
-        load_yaml(f"a: {number}", "x")
-    assert load_yaml(f"a: '{number}'", "x") == {"a": number}
 
 
 @pytest.mark.parametrize("content", ["[" * 100_000, '{"a":' * 100_000, "1" * 10_000, "nul", "\ud800", ""])
@@ -268,4 +190,4 @@ def test_thousands_of_other_topics_are_read_in_one_pass(
     assert evaluate([str(path), "--estimate", "/pose"]) == 0
     assert check([str(path)]) == 0
     assert time.process_time() - begin < 20
-    assert f" {3_000 - _MAX_OTHERS} " in " ".join(capsys.readouterr().out.split())
+    assert "/x2999 " in " ".join(capsys.readouterr().out.split())

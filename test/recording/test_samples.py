@@ -39,7 +39,7 @@ def batches(recording: Recording, poses: Integers, twists: Integers, size: int =
 
 
 def samples(recording: Recording, given: Batches) -> Block:
-    return Block.joined([block for _, block, _ in paired(recording, segments_of(recording), given)])
+    return Block.joined([block for _, block in paired(recording, segments_of(recording), given)])
 
 
 def shuffled(seed: int, reach: int) -> Integers:

@@ -14,7 +14,6 @@ from lie_rigid_body.certificate import certify
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.messages import decode_string, encode_string
 from lie_rigid_body.messages.definitions import STRING, definition
-from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.runs import Run, simulate
 
@@ -23,13 +22,6 @@ PER_MESSAGE = 5
 LINE = json.dumps({"level": "INFO", "text": 200 * "x"})
 LOGGED = encode_string(LINE)
 SCENARIO = "/lie_rigid_body/scenario"
-
-
-@pytest.fixture(autouse=True)
-def little_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The bodies' own messages, and not those of others."""
-    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", 60_000)
-    monkeypatch.setattr(bag_files, "_KEPT_PER_BYTE", 0)
 
 
 def mixed(source: Path, target: Path, topic: str, *, left_out: str = "", **options: object) -> Path:

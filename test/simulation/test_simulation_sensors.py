@@ -133,7 +133,7 @@ def test_sensors_feel_a_reset_from_its_stamp_on() -> None:
     simulation.take_until(EPOCH + 20_000_000, 100)
     segment = simulation.reset(scenario(rate=10.0, imu_rate=100.0, initial_body_rate=[0.0, 0.0, 2.0]))
     parts = [simulation.take_until(segment.start_ns + 200_000_000, 100).sensors["imu"] for _ in range(2)]
-    imu = parts[0].joined(parts[1])
+    imu = parts[0].joined(parts)
     old, new = (ClosedForm(s.body(), s.start()) for s in (scenario(), segment.scenario))
     before = imu.stamps_ns < segment.start_ns
     assert before.sum() == 7

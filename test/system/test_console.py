@@ -49,19 +49,6 @@ def run(command: str, bag: Path, folder: Path, redirection: str) -> subprocess.C
     return subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60, check=False)
 
 
-@pytest.mark.parametrize("command", ["check {bag}", "record {new} --duration 0.1", "plot {bag} -o {new}.png"])
-@pytest.mark.parametrize("kilobytes", sampled([30_000, 100_000, 380_000, 180_000], every=2))
-def test_too_little_memory_is_told_in_one_line(command: str, kilobytes: int, bag: Path, tmp_path: Path) -> None:
-    arguments = command.format(bag=bag, new=tmp_path / "new")
-    line = f"ulimit -v {kilobytes}; exec {sys.executable} -m lie_rigid_body {arguments}"
-    done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 2
-    [complaint] = done.stderr.splitlines()
-    assert console.size(1024 * kilobytes) in complaint
-    assert "ulimit -v" in complaint
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.parametrize("command", [*sampled(ANSWERS, every=3), *WRITERS])
 def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, ">/dev/full")

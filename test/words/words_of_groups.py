@@ -191,7 +191,6 @@ REFUSED = {
         lambda: SO(4).log(np.eye(4) + 0j),
         lambda: SO(4).vee(np.eye(4)),
         lambda: TOP.momenta([1e308, 1e308, 1e308]),
-        lambda: ad_star(SO(3), np.ones((2, 3)), np.ones((3, 3))),
         lambda: product(),
         lambda: product(3),
         lambda: inverse_legendre_transform(TOP),
