@@ -17,7 +17,7 @@ from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED, finish
 from lie_rigid_body.report.recorded_motion import extremes
 from lie_rigid_body.runs import Run
 from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
@@ -166,7 +166,6 @@ def _draw_readings(found: Inspection, width: float) -> Figure:
         codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
         axes.set_ylabel(f"{sensor} [{'?' if f'{sensor}_units' in codes else _UNITS[sensor]}]")
         axes.set_title(", ".join(codes), loc="left", fontsize=9, color=RED)
-        axes.grid(alpha=0.3)
     axes.set_xlabel("time [s]")
     shades = [*_SHADES.values(), _BROKEN]
     figure.legend(
@@ -192,7 +191,7 @@ def _draw_axes(axes: Axes, t_s: Array, readings: Array) -> None:
         kept = extremes(t_s, values, 1000)
         axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
     axes.margins(x=0.0)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
+    finish(axes, 3)
 
 
 def _side_by_side(width: float, count: int) -> tuple[Figure, Iterable[Axes]]:
