@@ -269,7 +269,7 @@ def residuals_over_time(certificate: Certificate, residuals: ResidualsOverTime, 
     """
     for law in certificate.laws:
         if law.name in residuals.laws:
-            series = residuals.laws[law.name].series(int(pieces[0].stamps_ns[0]))
+            series = residuals.series(law.name, int(pieces[0].stamps_ns[0]))
             if (series[1] > 0.0).any():
                 yield plane(law.name, partial(draw_law, law=law, series=series, pieces=pieces))
 

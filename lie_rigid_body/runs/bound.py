@@ -106,17 +106,14 @@ def _in_turn(parts: Sequence[CramerRaoBound]) -> CramerRaoBound | None:
     """Bounds of consecutive segments as one; None without a segment."""
     if not parts:
         return None
+    of_stamps = ("filtered", "smoothed", "gyro_bias", "stamps_ns", "joint_ns")
     return CramerRaoBound(
-        np.concatenate([part.filtered for part in parts]),
-        np.concatenate([part.smoothed for part in parts]),
-        np.concatenate([part.gyro_bias for part in parts]),
-        np.concatenate([part.stamps_ns for part in parts]),
-        next((part.unobserved for part in parts if part.unobserved), ""),
-        _in_turn([part.calibrated for part in parts if part.calibrated is not None]),
-        _in_turn([part.dynamic for part in parts if part.dynamic is not None]),
-        np.concatenate([part.joint_ns for part in parts]),
-        scipy.linalg.block_diag(*(part.joint for part in parts)),
-        any(part.carried for part in parts),
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in of_stamps},
+        unobserved=next((part.unobserved for part in parts if part.unobserved), ""),
+        calibrated=_in_turn([part.calibrated for part in parts if part.calibrated is not None]),
+        dynamic=_in_turn([part.dynamic for part in parts if part.dynamic is not None]),
+        joint=scipy.linalg.block_diag(*(part.joint for part in parts)),
+        carried=any(part.carried for part in parts),
     )
 
 

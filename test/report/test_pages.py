@@ -72,7 +72,7 @@ def drawn_of(law: str, path: Path) -> Any:
     residuals = ResidualsOverTime()
     certificate = certify(read_bag(path), watch=residuals)
     pieces = recorded_segments(read_bag(path))
-    series = residuals.laws[law].series(int(pieces[0].stamps_ns[0]))
+    series = residuals.series(law, int(pieces[0].stamps_ns[0]))
     [of_law] = [each for each in certificate.laws if each.name == law]
     return of_axes(partial(of_pages.draw_law, law=of_law, series=series, pieces=pieces)).axes[0]
 
