@@ -170,7 +170,7 @@ def film(content: Mapping[str, Any], times: Sequence[str]) -> str:
 
     data = str(to_json({**content, "times": times}, validate=False)).replace("<", "\\u003c")
     return (
-        '<div class="plot"></div><div class="controls"><button type="button">▶ play</button>'
+        '<div class="plot body"></div><div class="controls"><button type="button">▶ play</button>'
         f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
         f"<output>{escaped(times[0])}</output></div>"
         f'<script type="application/json">{data}</script>'

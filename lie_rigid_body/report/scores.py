@@ -274,9 +274,7 @@ def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
     return _figure([title], size, [(partial(_draw_several, scored=scored), "total error [deg]", columns)])
 
 
-def _figure(
-    titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel], *, several: bool = False
-) -> Figure:
+def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel]) -> Figure:
     """Panels one above the other, and titles above them."""
     from matplotlib.figure import Figure
 
