@@ -17,7 +17,7 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, RED, svg
-from lie_rigid_body.report.html_page import figure, film, grid, paragraph, picture, plane
+from lie_rigid_body.report.html_page import figure, film, grid, paragraph, plane
 from lie_rigid_body.report.recorded_motion import (
     Pieces,
     RecordedSegment,
@@ -82,22 +82,21 @@ def sections(pieces: Pieces) -> Iterator[str]:
     if found := body(first):
         content, labels, caption = found
         yield figure(f"The body{whose}", film(content, labels), caption)
-    yield picture(partial(curves, pieces))
+    shown = [figure("Curves", svg(partial(curves, pieces)))]
     if first.segment.scenario.kicks:
         whose = f" of the first moving arc{whose}"
     across = herpolhode(first)
+    if across is not None:
+        on_ellipsoid = "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."
+        seen = "ω in the world, seen along the angular momentum (cross)."
+        draw = partial(_draw_herpolhode, points=across)
+        shown += [
+            figure(f"Polhode{whose}", svg(partial(polhode, first)), on_ellipsoid),
+            plane(f"Herpolhode{whose}", draw, seen),
+        ]
+    yield grid(shown, wide=True)
     if across is None:
         yield paragraph("There is no polhode and no herpolhode of a body at rest or on a path.")
-        return
-    on_ellipsoid = "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."
-    seen = "ω in the world, seen along the angular momentum (cross)."
-    yield grid(
-        [
-            figure(f"Polhode{whose}", svg(partial(polhode, first)), on_ellipsoid),
-            plane(f"Herpolhode{whose}", partial(_draw_herpolhode, points=across), seen),
-        ],
-        wide=True,
-    )
 
 
 def herpolhode(piece: RecordedSegment) -> Array | None:

@@ -70,9 +70,9 @@ def draw(pieces: Pieces) -> Figure:
     return figure
 
 
-def curves(pieces: Pieces, width: float) -> Figure:
-    """Figure of the curves alone, of so many inches."""
-    figure = Figure(figsize=(width, 8.0), layout="constrained")
+def curves(pieces: Pieces) -> Figure:
+    """Figure of the curves alone, half a page wide."""
+    figure = Figure(figsize=(5.6, 7.5), layout="constrained")
     _draw_curves(figure, pieces)
     return figure
 
