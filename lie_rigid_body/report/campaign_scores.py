@@ -263,8 +263,8 @@ def _scale(axes: Axes) -> None:
     box = axes.dataLim
     if box.y1 > _WIDE_SPAN * box.minposy:
         axes.set_yscale("log")
-    else:
-        axes.set_ylim(bottom=0.0)
+    elif box.y1 > 0.0:
+        axes.set_ylim(0.0, 1.05 * box.y1)
     if box.x0 > 0.0 and box.x1 > _WIDE_SPAN * box.x0:
         axes.set_xscale("log")
 
