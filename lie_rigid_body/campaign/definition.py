@@ -176,7 +176,7 @@ class Campaign:
                 return cls(**json.loads((parquet.read_schema(file).metadata or {})[OF_TABLE])["campaign"])
         except InputError:
             raise
-        except (ArrowException, OSError, ValueError, KeyError, TypeError) as error:
+        except (ArrowException, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             what = f"{printable(str(path))} is no table of a campaign"
             raise InputError(f"{what}: {reason(error)}: give its {TABLE}") from None
 
