@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,22 +12,19 @@ from lie_rigid_body.estimates.programs import lines_of
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.inspection import Estimated, Inspection
-from lie_rigid_body.inspection.findings import HOW
+from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED, finish
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
 from lie_rigid_body.report.recorded_motion import extremes
 from lie_rigid_body.runs import Run
 from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-_NARROW: Final = 5.0
-"""Width, inches, up to which a figure is for the screen of a phone: its panels are one below the other."""
 _SHADES: Final = {
     "rest": (BLUE, 0.15, "at rest"),
     "compared": (GREY, 0.10, "stretch that was compared"),
@@ -70,8 +67,7 @@ def parts_of_inspection(found: Inspection) -> Parts:
             ],
             "Parameters of the sensors, repaired",
         ),
-        Picture(partial(html_page.picture, partial(_draw_readings, found))),
-        Picture(lambda: html_page.grid([*_allan_deviations(found), *_fields(found)], wide=True)),
+        Picture(lambda: html_page.grid([*_curves(found), *_allan_deviations(found), *_fields(found)], wide=True)),
     ]
 
 
@@ -139,36 +135,33 @@ def csv_of(run: Run) -> bytes:
     return "\n".join([*lines_of(run), ""]).encode()
 
 
-def _draw_readings(found: Inspection, width: float) -> Figure:
+def _curves(found: Inspection) -> Iterator[str]:
     """The readings over time, the rest, the stretch that was compared, and what is broken."""
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Rectangle
-
     given = [(sensor, *_readings(found, found.run, sensor)) for sensor in _UNITS]
     there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
     begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
-    figure = Figure(figsize=(width, 1.0 + 1.9 * len(there)), layout="constrained")
-    for (sensor, key, t_ns, readings), axes in zip(
-        there, np.ravel(figure.subplots(len(there), sharex=True)), strict=True
-    ):
-        _draw_axes(axes, (t_ns - begin_ns) / 1e9, readings)
-        for mark in found.marks:
-            if mark.sensor in (sensor, key, ""):
-                colour, alpha, _ = _SHADES.get(mark.text, _BROKEN)
-                axes.axvspan(*((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns)), color=colour, alpha=alpha)
+    for sensor, key, t_ns, readings in there:
         codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
-        axes.set_ylabel(f"{sensor} [{'?' if f'{sensor}_units' in codes else _UNITS[sensor]}]")
-        axes.set_title(", ".join(codes), loc="left", fontsize=9, color=RED)
-    axes.set_xlabel("time [s]")
-    shades = [*_SHADES.values(), _BROKEN]
-    figure.legend(
-        [Rectangle((0.0, 0.0), 1.0, 1.0, color=colour, alpha=alpha) for colour, alpha, _ in shades],
-        [label for *_, label in shades],
-        loc="outside lower center",
-        ncols=3 if width > _NARROW else 1,
-        frameon=False,
-    )
-    return figure
+        unit = "?" if f"{sensor}_units" in codes else _UNITS[sensor]
+        marks = [mark for mark in found.marks if mark.sensor in (sensor, key, "")]
+        draw = partial(_draw_readings, t_ns=t_ns, readings=readings, marks=marks, begin_ns=begin_ns, unit=unit)
+        yield html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
+
+
+def _draw_readings(
+    axes: Axes, t_ns: Integers, readings: Array, marks: Sequence[Mark], begin_ns: int, unit: str
+) -> None:
+    t_s = (t_ns - begin_ns) / 1e9
+    for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
+        kept = extremes(t_s, values, 1000)
+        axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
+    for mark in marks:
+        colour, alpha, shade = _SHADES.get(mark.text, _BROKEN)
+        ends = ((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns))
+        is_labelled = shade in axes.get_legend_handles_labels()[1]
+        axes.axvspan(*ends, color=colour, alpha=alpha, label=None if is_labelled else shade)
+    axes.margins(x=0.0)
+    axes.set(xlabel="time [s]", ylabel=f"readings [{unit}]")
 
 
 def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, Any]:
@@ -176,15 +169,6 @@ def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, 
     key, array = READINGS[sensor]
     readings = getattr(run.sensors.get(key), array, None)
     return key, found.stamps.get(key, np.arange(0 if readings is None else len(readings))), readings
-
-
-def _draw_axes(axes: Axes, t_s: Array, readings: Array) -> None:
-    """Draw the three components of readings."""
-    for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
-        kept = extremes(t_s, values, 1000)
-        axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
-    axes.margins(x=0.0)
-    finish(axes, 3)
 
 
 def _allan_deviations(found: Inspection) -> Iterator[str]:
