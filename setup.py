@@ -85,7 +85,7 @@ EXTRAS = {
     "campaign": [PYARROW],
     # campaign --scheduler: on the workers of a Dask cluster
     "cluster": [DISTRIBUTED, PYARROW],
-    # check --report, campaign --report: pages with figures that can be turned and played
+    # check BAG --report: a page with a body that can be turned and played
     "report": [PLOTLY],
     "test": [
         DISTRIBUTED,

@@ -150,8 +150,6 @@ class Campaign:
             raise InputError(f"{path} is no campaign: give it at least 'runs:', 'seed:' and 'duration:'")
         if unknown := [key for key in content if key not in _KEYS]:
             raise InputError(f"{path}: there is no {shown(unknown[0])} in a campaign: give {', '.join(_KEYS)}")
-        if content.get("estimators") == {}:
-            raise InputError(f"{path}: estimators are none: write 'name: {{function: …}}' below, or leave it out")
         try:
             return cls(**{key: value for key, value in content.items() if value is not None})
         except InputError as error:
@@ -179,9 +177,8 @@ class Campaign:
         except InputError:
             raise
         except (ArrowException, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-            is_of_system = getattr(error, "errno", None)  # pyarrow raises an OSError for damaged content as well
-            what = f"cannot be read: {reason(error)}" if is_of_system else "is no table of a campaign"
-            raise InputError(f"{printable(str(path))} {what}: give its {TABLE}") from None
+            what = f"{printable(str(path))} is no table of a campaign"
+            raise InputError(f"{what}: {reason(error)}: give its {TABLE}") from None
 
     @cached_property
     def _draws(self) -> Mapping[str, Draw]:
@@ -350,8 +347,6 @@ def _estimator_spec(name: object, content: object) -> EstimatorSpec:
             f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, with its "
             "quotations closed, and no parameters or grid"
         )
-    if "grid" in content and not grid:
-        raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
     for key, values in grid.items():
         if not (isinstance(values, list | tuple) and values) or key in parameters:
             raise InputError(

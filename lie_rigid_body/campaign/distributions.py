@@ -116,7 +116,7 @@ def _values(what: str, value: object) -> list[Any]:
 def _edges(what: str, value: object) -> list[Draw]:
     if not isinstance(value, list) or len(value) != 3:
         raise InputError(f"{what} is to be a list of three lengths or ranges, m: give [[0.1, 0.3], 0.2, 0.4]")
-    return [_above_0(what, edge) for edge in value]
+    return [_size(what, edge) for edge in value]
 
 
 def _scalar(what: str, value: object) -> Draw:
@@ -133,24 +133,21 @@ def _scalar(what: str, value: object) -> Draw:
     return lambda u: number
 
 
-def _above_0(what: str, value: object) -> Draw:
-    """A number, a range [low, high] or a distribution, of a quantity that has to be above 0."""
-    return partial(_limited, what, _scalar(what, value), lambda drawn: drawn > 0.0, "above 0")
+def _size(what: str, value: object, *, or_zero: bool = False) -> Draw:
+    """A number, a range [low, high] or a distribution, of a quantity above 0."""
+    return partial(_sized, what, _scalar(what, value), or_zero)
 
 
-def _at_least_0(what: str, value: object) -> Draw:
-    """A number, a range [low, high] or a distribution, of a quantity that is not below 0."""
-    return partial(_limited, what, _scalar(what, value), lambda drawn: drawn >= 0.0, "of at least 0")
-
-
-def _limited(what: str, draw: Draw, allows: Callable[[float], bool], limit: str, u: Uniforms) -> float:
-    """Draw a number, and refuse one outside of a limit."""
+def _sized(what: str, draw: Draw, or_zero: bool, u: Uniforms) -> float:
+    """Draw a number, and refuse one that is not above 0."""
     drawn = draw(u)
-    if not (math.isfinite(as_double(drawn)) and allows(drawn)):
+    number = as_double(drawn)
+    if not (0.0 < number < math.inf or (or_zero and number == 0.0)):
+        limit = "of at least 0" if or_zero else "above 0"
         raise InputError(
             f"{what}: {shown(drawn)} was drawn in run {u.run} and is not a finite number {limit}: draw from others only"
         )
-    return float(drawn)
+    return number
 
 
 def _require_range(what: str, low: float, high: float) -> None:
@@ -253,9 +250,9 @@ _OF_SEVERAL: Final = ("uniform_rotation", "direction", "box", "cylinder", "rando
 """Distributions that draw several numbers at once."""
 _READERS: Final[Mapping[str, Callable[[str, object], Any]]] = {
     **dict.fromkeys(("low", "high", "mean", "std", "interval", "rate", "rest_probability"), _number),
-    **dict.fromkeys(("mass", "density", "radius", "height"), _above_0),
+    **dict.fromkeys(("mass", "density", "radius", "height"), _size),
     "values": _values,
-    "norm": _at_least_0,
+    "norm": partial(_size, or_zero=True),
     "edges": _edges,
 }
 """Readers of the keys of distributions."""

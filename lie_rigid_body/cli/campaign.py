@@ -24,7 +24,7 @@ from lie_rigid_body.foundation.errors import InputError
         "--report",
         metavar="OUT.html",
         type=file_name,
-        help="write the estimators, or the runs, as one page (needs plotly)",
+        help="write the estimators, or the runs, as one page",
     ),
     FORCE_PAGE,
     either=(

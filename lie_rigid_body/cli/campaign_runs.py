@@ -42,7 +42,7 @@ def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
     campaign = Campaign.from_file(given.campaign)
     named = [word for one in campaign.estimator_specs.values() for word in words(one.command or "")]
-    require_outputs({"report": given.report}, [given.campaign, *named], overwrite=given.force, with_figures=True)
+    require_outputs({"report": given.report}, [given.campaign, *named], overwrite=given.force)
     if not Results.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
     if campaign.estimator_specs:
@@ -233,7 +233,7 @@ def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Parts) -> b
     certified = sum(row.certified for row in rows)
     count = Conclusion([f"{certified} of {len(rows)} runs CERTIFIED"], certified == len(rows))
     parts = first or [_table(campaign, sorted(rows, key=lambda row: row.certified)[:MAX_ROWS])]
-    return as_page(f"Campaign {name}", [*parts, count, Details("Campaign", campaign.to_json())], with_figures=True)
+    return as_page(f"Campaign {name}", [*parts, count, Details("Campaign", campaign.to_json())])
 
 
 def _table(campaign: Campaign, rows: Sequence[Row]) -> Table:

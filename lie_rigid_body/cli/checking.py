@@ -43,8 +43,9 @@ def check(given: argparse.Namespace) -> int:
     max_attitude = None if given.max_attitude is None else _angle(given.max_attitude)
     judged = partial(certify, inertia=inertia, max_attitude=max_attitude)
     files = (file for bag in given.bags for file in files_of(bag))
-    require_outputs({"report": given.report}, files, overwrite=given.force, with_figures=True)
-    if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):
+    is_one = len(given.bags) == 1 and not _is_folder_of_bags(given.bags[0])
+    require_outputs({"report": given.report}, files, overwrite=given.force, with_film=is_one)
+    if not is_one:
         _refuse_proof(given)
         return _answer(given, judge_all(_bags_of(given.bags), judged, topics))
     if given.prove is not None:

@@ -31,7 +31,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
@@ -45,6 +45,9 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.vectors import norm
+
+Motion: TypeAlias = Callable[[Array, Array], tuple[Array, Array]]
+"""Attitudes and body rates by those at the start."""
 
 MIN_NOISE: Final = 1e-7
 """Smallest standard deviation of a reading, as a share of the vector, in rad or in rad/s.
@@ -123,6 +126,40 @@ class AttitudeReadings:
 
 
 @short_dataclass(eq=False)
+class NoisySensors:
+    """Sensors of an estimator, with the noise of each.
+
+    Parameters
+    ----------
+    gyro_noise : float
+        Standard deviation of the white noise on each axis of a reading, rad/s.
+    gyro_bias : BiasNoise, optional
+        rad/s.
+    vectors : sequence of VectorReadings, optional
+        Each reading counts at the gyro's reading before it, or with it.
+    attitudes : sequence of AttitudeReadings, optional
+        The same.
+    gyro_linear_errors : ndarray, shape (c, 3, 3), optional
+        Matrices as those of `VectorReadings`, of the gyro.
+    initial : float, optional
+        Standard deviation of the first attitude on each axis, rad; half a turn if nothing is known of it.
+    """
+
+    gyro_noise: float
+    gyro_bias: BiasNoise = NO_BIAS
+    vectors: Sequence[VectorReadings] = ()
+    attitudes: Sequence[AttitudeReadings] = ()
+    gyro_linear_errors: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    initial: float = np.pi
+
+    def calibrated(self) -> NoisySensors:
+        """Sensors without linear errors."""
+        none = np.zeros((0, 3, 3))
+        vectors = [replace(each, linear_errors=none) for each in self.vectors]
+        return replace(self, vectors=vectors, gyro_linear_errors=none)
+
+
+@short_dataclass(eq=False)
 class CramerRaoBound:
     """Bounds of the attitude's error at each sample, for estimators that do not know the dynamics.
 
@@ -194,16 +231,7 @@ def mean_square(covariance: Array) -> Array:
 
 
 def cramer_rao_bound(
-    stamps_ns: Integers,
-    truth_xyzw: Array,
-    *,
-    gyro_noise: float,
-    gyro_bias: BiasNoise = NO_BIAS,
-    vectors: Sequence[VectorReadings] = (),
-    attitudes: Sequence[AttitudeReadings] = (),
-    initial: float = np.pi,
-    gyro_readings: Array | None = None,
-    gyro_linear_errors: Array | None = None,
+    stamps_ns: Integers, truth_xyzw: Array, sensors: NoisySensors, readings: Array | None = None
 ) -> CramerRaoBound:
     """Bound the errors of every estimator without dynamics that reads a gyro at each sample, and vectors at some.
 
@@ -213,58 +241,28 @@ def cramer_rao_bound(
         Rising stamps of the gyro's readings; each tells the turn since the one before.
     truth_xyzw : ndarray, shape (N, 4)
         The true attitude at them, world-from-body, of unit norm.
-    gyro_noise : float
-        Standard deviation of the white noise on each axis of a reading, rad/s.
-    gyro_bias : BiasNoise, optional
-        rad/s.
-    vectors : sequence of VectorReadings, optional
-        Each reading counts at the gyro's reading before it, or with it.
-    attitudes : sequence of AttitudeReadings, optional
-        The same.
-    initial : float, optional
-        Standard deviation of the first attitude on each axis, rad; half a turn if nothing is known of it.
-    gyro_readings : ndarray, shape (N,), optional
+    sensors : NoisySensors
+    readings : ndarray, shape (N,), optional
         Number of readings of the gyro of which each turn is the sum, by default one: for the bound at some stamps of
         many.
-    gyro_linear_errors : ndarray, shape (c, 3, 3), optional
-        Matrices as those of `VectorReadings`, of the gyro.
 
     Raises
     ------
     InputError
         If a noise is so small or so large beside what is read that rounding would decide.
     """
-    readings = np.ones(len(stamps_ns)) if gyro_readings is None else gyro_readings
-    gyro = VectorReadings(
-        stamps_ns,
-        np.array([1.0, 0.0, 0.0]),
-        gyro_noise,
-        gyro_bias,
-        np.zeros((0, 3, 3)) if gyro_linear_errors is None else gyro_linear_errors,
-    )
-    for name, sensor in (("gyro", gyro), *(("vector", each) for each in vectors)):
-        _require_noise(name, sensor.noise / float(norm(sensor.vector)))
-    *system, constants = _system(stamps_ns, truth_xyzw, initial, readings, gyro, vectors, attitudes)
+    counts = np.ones(len(stamps_ns)) if readings is None else readings
+    *system, constants = _system(stamps_ns, truth_xyzw, sensors, counts)
     found = covariances(*_determined(*system))
-    whole = _bound(stamps_ns, truth_xyzw, found, readings, gyro_bias, initial)
+    whole = _bound(stamps_ns, truth_xyzw, found, sensors, counts)
     if not constants:
         return whole
     given = [_given(P, constants) for P in found]
-    return replace(whole, calibrated=_bound(stamps_ns, truth_xyzw, given, readings, gyro_bias, initial))
+    return replace(whole, calibrated=_bound(stamps_ns, truth_xyzw, given, sensors, counts))
 
 
 def dynamic_bound(
-    stamps_ns: Integers,
-    motion: Callable[[Array, Array], tuple[Array, Array]],
-    attitude_xyzw: Array,
-    body_rate: Array,
-    *,
-    gyro_noise: float,
-    gyro_bias: BiasNoise = NO_BIAS,
-    vectors: Sequence[VectorReadings] = (),
-    attitudes: Sequence[AttitudeReadings] = (),
-    initial: float = np.pi,
-    gyro_readings: Array | None = None,
+    stamps_ns: Integers, motion: Motion, start: tuple[Array, Array], sensors: NoisySensors, readings: Array
 ) -> CramerRaoBound:
     """Bound the errors of every estimator that reads the same, and knows the inertia and Euler's equations.
 
@@ -275,21 +273,21 @@ def dynamic_bound(
     motion : callable
         Exact motion from an attitude, shape (4,), and a body rate, shape (3,), at the start. It gives the attitudes,
         shape (N, 4), and body rates, rad/s, shape (N, 3), at the stamps.
-    attitude_xyzw, body_rate : ndarray, shapes (4,) and (3,)
-        The true ones at the start.
+    start : tuple of ndarray, shapes (4,) and (3,)
+        The true attitude and body rate at the start.
+    sensors : NoisySensors
+    readings : ndarray, shape (N,)
 
     Raises
     ------
     InputError
         As `cramer_rao_bound`.
     """
-    readings = np.ones(len(stamps_ns)) if gyro_readings is None else gyro_readings
-    gyro = VectorReadings(stamps_ns, np.array([1.0, 0.0, 0.0]), gyro_noise, gyro_bias)
-    known = [replace(each, linear_errors=gyro.linear_errors) for each in vectors]
-    truth, turn, rate = _flow(motion, attitude_xyzw, body_rate)
-    _, Q, H, deviations, _ = _system(stamps_ns, truth, initial, readings, gyro, known, attitudes)
+    known = sensors.calibrated()
+    truth, turn, rate = _flow(motion, *start)
+    _, Q, H, deviations, _ = _system(stamps_ns, truth, known, readings)
     # the start in the place of the attitude, and readings of the gyro beside those of the vectors
-    weight = (np.sqrt(readings) / gyro_noise)[:, np.newaxis, np.newaxis]
+    weight = (np.sqrt(readings) / known.gyro_noise)[:, np.newaxis, np.newaxis]
     of_gyro = np.broadcast_to(np.eye(3, H.shape[-1] - 3), (len(H), 3, H.shape[-1] - 3))
     H = np.concatenate([np.dstack([H[..., :3] @ turn, H[..., 3:]]), weight * np.dstack([rate, of_gyro])], axis=1)
     Q = np.pad(Q, ((0, 0), (3, 0), (3, 0)))
@@ -302,15 +300,13 @@ def dynamic_bound(
     to_now = to_now[..., first > 0.0]
     predicted, updated, _ = covariances(*_determined(F, Q, H, first))
     found = [to_now @ P @ np.swapaxes(to_now, 1, 2) for P in (predicted, updated, updated[-1])]
-    bound = _bound(stamps_ns, truth, found, readings, gyro_bias, initial)
+    bound = _bound(stamps_ns, truth, found, known, readings)
     at = np.unique(np.searchsorted(stamps_ns, np.linspace(stamps_ns[0], stamps_ns[-1], JOINT)))
     some = turn[at].reshape(-1, 6)
     return replace(bound, joint_ns=stamps_ns[at], joint=some @ updated[-1, :6, :6] @ some.T)
 
 
-def _flow(
-    motion: Callable[[Array, Array], tuple[Array, Array]], attitude_xyzw: Array, body_rate: Array
-) -> tuple[Array, Array, Array]:
+def _flow(motion: Motion, attitude_xyzw: Array, body_rate: Array) -> tuple[Array, Array, Array]:
     """True attitudes, shape (N, 4), and derivatives of attitude and body rate by those of the start, shape (N, 3, 6).
 
     By central differences.
@@ -329,21 +325,16 @@ def _flow(
 
 
 def _bound(
-    stamps_ns: Integers,
-    truth_xyzw: Array,
-    found: Sequence[Array],
-    readings: Array,
-    gyro_bias: BiasNoise,
-    initial: float,
+    stamps_ns: Integers, truth_xyzw: Array, found: Sequence[Array], sensors: NoisySensors, readings: Array
 ) -> CramerRaoBound:
     """Bounds by the covariances of states before and after each update, and by all readings."""
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
     share = (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis]
     predicted, updated, smoothed = found
     filtered = updated + share * (predicted - updated)
-    bias = filtered[:, 3:6, 3:6] if any(gyro_bias) else np.zeros((len(stamps_ns), 3, 3))
+    bias = filtered[:, 3:6, 3:6] if any(sensors.gyro_bias) else np.zeros((len(stamps_ns), 3, 3))
     R = quaternion.to_matrix(truth_xyzw[-1])
-    unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
+    unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if sensors.initial**2 > UNSEEN else ""
     return CramerRaoBound(filtered[:, :3, :3], smoothed[:, :3, :3], bias, stamps_ns, unobserved)
 
 
@@ -377,28 +368,28 @@ def _unobserved(world_covariance: Array) -> str:
 
 
 def _system(
-    stamps: Integers,
-    truth: Array,
-    initial: float,
-    readings: Array,
-    gyro: VectorReadings,
-    vectors: Sequence[VectorReadings],
-    attitudes: Sequence[AttitudeReadings],
+    stamps: Integers, truth: Array, noisy: NoisySensors, readings: Array
 ) -> tuple[Array, Array, Array, Array, int]:
     """Transitions, covariances of noise and measurements of the error state, its first deviations, number of constants.
 
     A bias counts in units of its vector: the numbers are near those of angles, and rounding is small. Each linear error
     of each sensor is a constant: it adds to a turn, or to the readings of a vector.
     """
+    vectors = noisy.vectors
+    gyro = VectorReadings(
+        stamps, np.array([1.0, 0.0, 0.0]), noisy.gyro_noise, noisy.gyro_bias, noisy.gyro_linear_errors
+    )
     sensors = [gyro, *vectors]
+    for number, sensor in enumerate(sensors):
+        _require_noise("vector" if number else "gyro", sensor.noise / float(norm(sensor.vector)))
     count = len(stamps)
     begins = np.cumsum([3 + 3 * len(sensors), *(len(sensor.linear_errors) for sensor in sensors)]).tolist()
     constants = [slice(*part) for part in pairwise(begins)]
     n = begins[-1]
     F = np.tile(np.eye(n), (count, 1, 1))
     Q = np.zeros((count, n, n))
-    H = np.zeros((count, max(1, len(vectors) + len(attitudes)), 3, n))  # without a sensor a reading of nothing
-    deviations = [initial] * 3
+    H = np.zeros((count, max(1, len(vectors) + len(noisy.attitudes)), 3, n))  # without a sensor a reading of nothing
+    deviations = [noisy.initial] * 3
     turn = np.concatenate([np.zeros((1, 3)), relative_rotations(truth[:-1], truth[1:])])
     jacobian = so3.right_jacobian(turn)
     pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
@@ -424,7 +415,7 @@ def _system(
         H[:, i, :, constants[i + 1]] = np.einsum("cij,nj->nic", sensor.linear_errors, body)
         read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
         Q[:, own, own] = _diagonal((sensor.bias.step / unit) ** 2 * np.maximum(read, 0.0))
-    for i, attitude in enumerate(attitudes, len(vectors)):
+    for i, attitude in enumerate(noisy.attitudes, len(vectors)):
         factor = factor_of(attitude.covariance)
         _require_noise("attitude", float(np.linalg.svd(factor, compute_uv=False)[-1]))
         H[:, i, :, :3] = np.sqrt(_count(stamps, attitude.stamps_ns))[:, np.newaxis, np.newaxis] * np.linalg.inv(factor)

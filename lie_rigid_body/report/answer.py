@@ -145,6 +145,6 @@ def _html(part: Part) -> str:
             return html_page.details(summary, content)
 
 
-def as_page(title: str, parts: Parts, *, with_figures: bool = False) -> bytes:
+def as_page(title: str, parts: Parts, *, with_film: bool = False) -> bytes:
     """Page that shows an answer; see `html_page.document`."""
-    return html_page.document(title, as_html(parts), with_figures=with_figures)
+    return html_page.document(title, as_html(parts), with_film=with_film)

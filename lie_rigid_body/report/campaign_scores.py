@@ -4,31 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import cycle
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary
 from lie_rigid_body.evaluation.differences import Difference, fewest_runs
-from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS, EnsembleConsistency
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.report import answer
 from lie_rigid_body.report.answer import Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import DISTINCT
-from lie_rigid_body.report.html_page import (
-    Look,
-    axis,
-    drawn,
-    figure,
-    grid,
-    line,
-    logarithmic,
-)
+from lie_rigid_body.report.drawing import BLACK, DISTINCT, label
+from lie_rigid_body.report.html_page import grid, plane
 from lie_rigid_body.report.scores import WITHOUT_DYNAMICS
 from lie_rigid_body.scenario.parameter_file import recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _COLUMNS: Final = (
     "estimator",
@@ -45,6 +40,11 @@ _HEAD: Final = "Medians over the runs; 95 % of the runs are below the number in 
 _PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
 """Scores of which the median and a larger one are told, and their units."""
 
+_WIDE_SPAN: Final = 30.0
+"""Ratio of the largest value to the smallest above which an axis is logarithmic."""
+
+Shown = Sequence[tuple[EstimatorSummary, str]]
+"""Estimators and their colours."""
 Varied = Mapping[int, Mapping[str, Any]]
 """The parameters that vary, by the numbers of the runs."""
 
@@ -191,36 +191,40 @@ def _at_the_edge(one: EstimatorSummary) -> Iterator[str]:
                 yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {end:g}."
 
 
-def _errors_over_time(comparison: Comparison, shown: Sequence[tuple[EstimatorSummary, str]]) -> Iterator[str]:
-    curves = [trace for one, colour in shown if len(one.curve_deg) for trace in _band(comparison.t_s, one, colour)]
-    if not curves:
-        return
-    caption = "Median over the runs; between the thin lines are 90 % of the runs."
+def _errors_over_time(comparison: Comparison, shown: Shown) -> Iterator[str]:
+    known = [(one, colour) for one, colour in shown if len(one.curve_deg)]
+    if known:
+        caption = "Median over the runs, and the band that has 90 % of them."
+        if bound := comparison.bound:
+            caption += f" Dashed: the {WITHOUT_DYNAMICS}, of run {bound.run}."
+        yield plane("Error over time", partial(_draw_errors, comparison=comparison, shown=known), caption)
+
+
+def _draw_errors(axes: Axes, comparison: Comparison, shown: Shown) -> None:
+    """Draw the median, and the band from the 5th to the 95th percentile, of the error of each estimator."""
+    for one, colour in shown:
+        known = ~np.isnan(one.curve_deg).all(axis=0)
+        low, middle, high = np.nanquantile(one.curve_deg[:, known], (0.05, 0.5, 0.95), axis=0)
+        axes.plot(comparison.t_s[known], middle, color=colour, label=label(one.name))
+        axes.fill_between(comparison.t_s[known], low, high, color=colour, alpha=0.15, lw=0.0)
     if bound := comparison.bound:
-        points = np.column_stack([comparison.t_s, bound.curve_deg])
-        curves.append(line(points, f"bound, run {bound.run}", "black", 1.5, line={"dash": "dash", "color": "black"}))
-        caption += f" Dashed: the {WITHOUT_DYNAMICS}, of run {bound.run}."
-    errors = np.concatenate([trace["y"] for trace in curves])
-    content = drawn(curves, xaxis=axis("time, s"), yaxis=_scale("total error, °", errors))
-    yield figure("Error over time", content, caption)
+        axes.plot(comparison.t_s, bound.curve_deg, "--", color=BLACK, label=f"bound, run {bound.run}")
+    axes.set(xlabel="time, s", ylabel="total error, °")
+    _scale(axes)
 
 
-def _nees_over_time(shown: Sequence[tuple[EstimatorSummary, str]]) -> Iterator[str]:
-    judged = [(one, colour, one.covariance) for one, colour in shown if one.covariance]
-    if not judged:
-        return
-    traces = [line(np.array(found.over_time), one.name, colour, 2.0) for one, colour, found in judged]
-    ends = np.array(judged[0][2].over_time)[[0, -1]]
-    ends[:, 1] = judged[0][2].dimension
-    traces.append(line(ends, "expected", "black", 1.5, line={"dash": "dash", "color": "black"}))
-    content = drawn(
-        traces, xaxis=axis("time, s"), yaxis=logarithmic("NEES", np.concatenate([trace["y"] for trace in traces]))
-    )
-    yield figure(
-        "Covariance over time",
-        content,
-        "Mean NEES over the runs; above the dashed line errors are larger than the covariance says.",
-    )
+def _nees_over_time(shown: Shown) -> Iterator[str]:
+    judged = [(one.name, colour, one.covariance) for one, colour in shown if one.covariance]
+    if judged:
+        caption = "Mean NEES over the runs; above the dashed line errors are larger than the covariance says."
+        yield plane("Covariance over time", partial(_draw_nees, judged=judged), caption)
+
+
+def _draw_nees(axes: Axes, judged: Sequence[tuple[str, str, EnsembleConsistency]]) -> None:
+    for name, colour, found in judged:
+        axes.plot(*np.transpose(found.over_time), color=colour, label=label(name))
+    axes.axhline(judged[0][2].dimension, color=BLACK, ls="--", label="expected")
+    axes.set(xlabel="time, s", ylabel="NEES", yscale="log")
 
 
 def _worst_runs(campaign: Campaign, comparison: Comparison) -> Table:
@@ -238,8 +242,8 @@ def _worst_runs(campaign: Campaign, comparison: Comparison) -> Table:
     return Table(("run", *(one.name for one in comparison.summaries), "command"), rows, "Worst runs")
 
 
-def _figures(shown: Sequence[tuple[EstimatorSummary, str]], varied: Varied) -> Iterator[str]:
-    yield from (_grid(one, colour) for one, colour in shown if one.points)
+def _figures(shown: Shown, varied: Varied) -> Iterator[str]:
+    yield from (_grid(one) for one, _ in shown if one.points)
     for name in next(iter(varied.values()), {}):
         values = {run: parameters[name] for run, parameters in varied.items()}
         if name != "sensor_seed" and _are_numbers(values.values()):
@@ -254,65 +258,52 @@ def _are_numbers(values: Iterable[object]) -> bool:
     return all(type(value) in (int, float) for value in values)
 
 
-def _band(t_s: Array, one: EstimatorSummary, colour: str) -> Iterator[Look]:
-    """Lines of the median and of the 5th and 95th percentile of the error."""
-    known = ~np.isnan(one.curve_deg).all(axis=0)
-    for share, width in ((0.05, 0.6), (0.95, 0.6), (0.5, 2.2)):
-        points = np.column_stack([t_s[known], np.nanquantile(one.curve_deg[:, known], share, axis=0)])
-        yield line(points, one.name, colour, width, legendgroup=one.name, showlegend=share == 0.5)
+def _scale(axes: Axes) -> None:
+    """Make axes logarithmic where the largest value is more than 30 times the smallest."""
+    box = axes.dataLim
+    if box.y1 > _WIDE_SPAN * box.minposy:
+        axes.set_yscale("log")
+    elif box.y1 > 0.0:
+        axes.set_ylim(0.0, 1.05 * box.y1)
+    if box.x0 > 0.0 and box.x1 > _WIDE_SPAN * box.x0:
+        axes.set_xscale("log")
 
 
-def _scale(title: str, values: Array) -> Look:
-    """Axis of errors, logarithmic where the largest is more than 30 times the smallest."""
-    positive = values[np.isfinite(values) & (values > 0.0)]
-    if len(positive) and positive.max() > 30.0 * positive.min():
-        return logarithmic(title, np.maximum(positive, 1e-6 * positive.max()))
-    return axis(title, rangemode="tozero")
-
-
-def _grid(one: EstimatorSummary, colour: str) -> str:
+def _grid(one: EstimatorSummary) -> str:
     """Mean error of each point of a grid over its first parameter, a line for each choice of the others."""
+    best = json.dumps(one.entry.parameters)
+    caption = f"RMS of the total error on the runs of even number. The best point: {best}."
+    return plane(f"Grid of {one.name}", partial(_draw_grid, one=one), caption)
+
+
+def _draw_grid(axes: Axes, one: EstimatorSummary) -> None:
     name, *others = one.entry.grid
-    ranked = [point.parameters[name] for point in one.points]
-    are_numbers = _are_numbers(ranked)
+    are_numbers = _are_numbers(point.parameters[name] for point in one.points)
     lines: dict[str, list[tuple[Any, float]]] = {}
-    for point, value in zip(one.points, ranked if are_numbers else map(json.dumps, ranked), strict=True):
+    for point in one.points:
+        value = point.parameters[name]
         key = ", ".join(f"{other} {json.dumps(point.parameters[other])}" for other in others)
-        lines.setdefault(key, []).append((value, point.mean_deg))
-    traces = [
-        {
-            "type": "scatter",
-            "x": [value for value, _ in means],
-            "y": [mean for _, mean in means],
-            "name": key or one.name,
-            "mode": "lines+markers" if are_numbers else "markers",
-            "line": {"color": colour if len(lines) == 1 else own},
-        }
-        for (key, means), own in zip(lines.items(), cycle(DISTINCT), strict=False)
-    ]
-    xaxis = _scale(name, np.array(ranked, dtype=float)) if are_numbers else axis(name, type="category")
-    yaxis = _scale("mean total error, °", np.array([point.mean_deg for point in one.points]))
-    caption = f"RMS of the total error on the runs of even number. The best point: {json.dumps(one.entry.parameters)}."
-    return figure(f"Grid of {one.name}", drawn(traces, xaxis=xaxis, yaxis=yaxis), caption)
+        lines.setdefault(key, []).append((value if are_numbers else json.dumps(value), point.mean_deg))
+    for (key, means), colour in zip(lines.items(), cycle(DISTINCT), strict=False):
+        values, errors = zip(*means, strict=True)
+        axes.plot(values, errors, "o-" if are_numbers else "o", color=colour, label=label(key or one.name))
+    axes.set(xlabel=label(name), ylabel="mean total error, °")
+    _scale(axes)
 
 
-def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[EstimatorSummary, str]]) -> str:
+def _over(name: str, values: Mapping[int, float], shown: Shown) -> str:
     """Error of every run over a parameter that varies."""
-    traces = [
-        line(
-            np.column_stack([[values[int(run)] for run in one.runs], one.scores["total_rms_deg"]])[~one.failed],
-            one.name,
-            colour,
-            1,
-            mode="markers",
-            marker={"color": colour, "size": 5, "opacity": 0.7},
-        )
-        for one, colour in shown
-    ]
-    errors = np.concatenate([one.scores["total_rms_deg"] for one, _ in shown])
-    xaxis = _scale(name, np.array([*values.values()], dtype=float))
-    yaxis = _scale("total error, °", errors)
-    return figure(f"Error over {name}", drawn(traces, xaxis=xaxis, yaxis=yaxis))
+    return plane(f"Error over {name}", partial(_draw_over, name=name, values=values, shown=shown))
+
+
+def _draw_over(axes: Axes, name: str, values: Mapping[int, float], shown: Shown) -> None:
+    for one, colour in shown:
+        known = ~one.failed
+        errors = one.scores["total_rms_deg"][known]
+        at = [values[int(run)] for run in one.runs[known]]
+        axes.plot(at, errors, "o", color=colour, ms=4, alpha=0.7, label=label(one.name))
+    axes.set(xlabel=name, ylabel="total error, °")
+    _scale(axes)
 
 
 def _command(campaign: Campaign, run: int) -> str:

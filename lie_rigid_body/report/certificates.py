@@ -56,7 +56,7 @@ def page(
     curves = Picture(lambda: _residuals(certificate, residuals, drawn) if drawn else "")
     scenarios = [Details(*html_page.scenario(each.segment)) for each in certificate.segments[:MAX_TABLES]]
     return answer.as_page(
-        f"Certificate of {bag}", [conclusion, verdict, motion, *others, curves, *scenarios], with_figures=True
+        f"Certificate of {bag}", [conclusion, verdict, motion, *others, curves, *scenarios], with_film=True
     )
 
 

@@ -1,4 +1,4 @@
-"""Colours of pictures, and their formats as files."""
+"""Colours and axes of pictures, and their formats as files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from lie_rigid_body.foundation.wording import printable
+
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 DISTINCT: Final = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333")
@@ -23,6 +26,30 @@ RED = "#CC2222"
 SURFACE = "#C9D6E8"
 FRAME = "#8A97A8"
 """Colours of the ellipsoid, and of its principal circles and the axes of figures."""
+
+
+def of_axes(draw: Callable[[Axes], None]) -> Figure:
+    """Figure of one pair of axes into which a function draws: half a page wide."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.6, 3.4), layout="constrained")
+    axes = figure.subplots()
+    draw(axes)
+    finish(axes, 2)
+    return figure
+
+
+def finish(axes: Axes, columns: int) -> None:
+    """Give axes a grid, and a legend above them, where it hides nothing."""
+    axes.grid(alpha=0.3, lw=0.6)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, frameon=False, borderaxespad=0.1)
+
+
+def label(text: str) -> str:
+    """Text from outside as a label of a curve: no formula, and nothing that a legend leaves out."""
+    plain = printable(text).replace("$", r"\$")
+    return f" {plain}" if plain.startswith("_") else plain
 
 
 def png(draw: Callable[[], Figure]) -> bytes:

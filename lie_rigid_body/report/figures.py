@@ -1,48 +1,39 @@
-"""Figures of pages: the motion of a recording with a film of the body, and residuals over time and by their sizes."""
+"""Figures of a recording: the film of the body, its curves, and residuals of its laws."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.certificate.certification import Certificate
+from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.foundation.arrays import Array, Booleans
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
-from lie_rigid_body.report.drawing import COLOURS, GREY, RED, svg
-from lie_rigid_body.report.html_page import (
-    Figure,
-    Look,
-    axis,
-    coordinates,
-    drawn,
-    figure,
-    grid,
-    line,
-    logarithmic,
-    mark,
-    paragraph,
-)
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, RED, svg
+from lie_rigid_body.report.html_page import figure, film, grid, paragraph, plane
 from lie_rigid_body.report.recorded_motion import (
-    FEW_SAMPLES,
-    MAX_RESETS,
-    LawOverTime,
     Pieces,
     RecordedSegment,
     ResidualsOverTime,
-    extremes,
     first_arc,
     path,
-    reset_times,
     times,
     usable,
 )
 from lie_rigid_body.scenario.arcs import largest_of_arcs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Look = dict[str, Any]
+"""A trace of plotly.js."""
 
 _POINTS: Final = 3000
 """Largest number of points of a herpolhode."""
@@ -78,100 +69,63 @@ _NONE: Final = np.zeros((1, 3))
 
 _BEYOND: Final = 10.0
 """Height at which infinite residuals are drawn, as a multiple of the largest finite one."""
-_LIMIT: Final[Look] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
-
-
-def resets(pieces: Pieces) -> list[Look]:
-    """Lines at the resets, for a layout; none where there are too many."""
-    t = reset_times(pieces)
-    look = {"color": "black", "width": 1, "dash": "dash"}
-    shapes = [{"type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper", "line": look} for x in t]
-    return shapes if len(shapes) <= MAX_RESETS else []
+_HIGHEST: Final = 1e300
+"""Largest residual that is drawn: an axis around it is of finite numbers as well."""
 
 
 def sections(pieces: Pieces) -> Iterator[str]:
     """HTML of all figures of a recording, of whose segments each has a sample."""
+    from lie_rigid_body.report.recording_picture import curves, polhode  # only now: it loads Matplotlib
+
     first = pieces[0]
     whose = " of the first segment" if len(pieces) > 1 else ""
-    if film := body(first):
-        yield figure(f"The body{whose}", *film, kind="body")
-    rates = [piece.states.body_rate for piece in pieces]
-    yield figure(
-        "Body rate",
-        over_time(pieces, rates, "ω<sub>{}</sub>", "body rate [rad/s]"),
-        "Angular velocity in the frame of the body.",
-    )
-    if any(piece.segment.scenario.moves for piece in pieces):
-        place = over_time(pieces, [piece.position for piece in pieces], "{}", "position [m]")
-        yield figure("Position", place, "Mass centre in the world.")
+    if found := body(first):
+        content, labels, caption = found
+        yield figure(f"The body{whose}", film(content, labels), caption)
+    shown = [figure("Curves", svg(partial(curves, pieces)))]
     if first.segment.scenario.kicks:
         whose = f" of the first moving arc{whose}"
-    if across := herpolhode(first):
+    across = herpolhode(first)
+    if across is not None:
+        on_ellipsoid = "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."
         seen = "ω in the world, seen along the angular momentum (cross)."
-        yield grid([_polhode(first, whose), figure(f"Herpolhode{whose}", across, seen, kind="tall")], wide=True)
-    else:
+        draw = partial(_draw_herpolhode, points=across)
+        shown += [
+            figure(f"Polhode{whose}", svg(partial(polhode, first)), on_ellipsoid),
+            plane(f"Herpolhode{whose}", draw, seen),
+        ]
+    yield grid(shown, wide=True)
+    if across is None:
         yield paragraph("There is no polhode and no herpolhode of a body at rest or on a path.")
 
 
-def _polhode(piece: RecordedSegment, whose: str) -> str:
-    """The polhode as it is in the picture of a recording."""
-    from lie_rigid_body.report.recording_picture import polhode  # only now: it loads Matplotlib
+def herpolhode(piece: RecordedSegment) -> Array | None:
+    """Path of ω in the world, rad/s, shape (N, 2), across the momentum of the first moving arc.
 
-    what = "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."
-    below = f"<figcaption>{what}</figcaption>"
-    return f"<figure><h3>Polhode{whose}</h3>{svg(partial(polhode, piece))}{below}</figure>"
-
-
-def over_time(pieces: Pieces, vectors: Sequence[Array], name: str, label: str) -> Figure:
-    """Components of vectors, shape (N, 3) of each piece, over time."""
-    t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
-    few = {"mode": "markers" if len(t) <= FEW_SAMPLES else "lines", "cliponaxis": True}
-    traces = [
-        _over_time(t, component, name.format(axis_name), colour, **few)
-        for axis_name, colour, component in zip("xyz", COLOURS, np.concatenate(vectors).T, strict=True)
-    ]
-    time = axis("time [s]", range=[0.0, float(t[-1]) or 1.0])
-    return drawn(traces, xaxis=time, yaxis=axis(label), shapes=resets(pieces))
-
-
-def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> Look:
-    """Line through the extremes of values over time, with a mark at each of 50 points at most."""
-    marks = {"mode": "lines+markers" if len(t) <= 50 else "lines", "marker": {"color": colour, "size": 5}}
-    points = np.stack([t, values], axis=-1)[extremes(t, values)]
-    return line(points, name, colour, 1.2, **{"cliponaxis": False, **marks, **more})
-
-
-def herpolhode(piece: RecordedSegment) -> Figure | None:
-    """Path of ω in the world, seen along the momentum of the first moving arc; none at rest or on a path."""
+    None at rest or on a path.
+    """
     scenario = piece.segment.scenario
     arc, begin = first_arc(piece)
     states = path(arc, _POINTS)
     momentum = scenario.body().angular_momentum(begin)
-    size = float(np.linalg.norm(momentum))
-    fastest = scenario.rate_bound()
-    if size == 0.0 or not len(states.body_rate) or scenario.path():
+    if not momentum.any() or not len(states.body_rate) or scenario.path():
         return None
-    upright = momentum / size
-    rates = quaternion.rotate(states.attitude_xyzw, states.body_rate)
-    across = rates - np.outer(rates @ upright, upright)
-    right = across[0]  # of ω's first part across the momentum, or any if it has none
-    if np.linalg.norm(right) < 1e-9 * fastest:
-        right = np.cross(upright, np.eye(3)[np.argmin(np.abs(upright))])
-    right = right / np.linalg.norm(right)
-    points = across @ np.stack([right, np.cross(upright, right)], axis=-1)
-    traces = [
-        line(points, "herpolhode", RED, 1.5),
-        mark(points[0], "first sample", color="black", size=7),
-        mark(np.zeros(2), "angular momentum", color=GREY, symbol="x"),
-    ]
-    reach = 1.1 * max(float(np.abs(points).max()), 1e-3 * fastest)
-    look: Look = {"range": [-reach, reach], "constrain": "domain", "nticks": 6}
-    upwards = axis("[rad/s]", scaleanchor="x", **look)
-    return drawn(traces, xaxis=axis("ω across L [rad/s]", **look), yaxis=upwards, showlegend=False)
+    right = scipy.linalg.null_space(momentum[np.newaxis])[:, 0]
+    other = np.cross(momentum / np.linalg.norm(momentum), right)
+    return np.asarray(quaternion.rotate(states.attitude_xyzw, states.body_rate) @ np.stack([right, other], axis=1))
 
 
-def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
-    """Film of the first part of a segment, and sentences that say what it shows; none if no sample can be drawn."""
+def _draw_herpolhode(axes: Axes, points: Array) -> None:
+    reach = 1.1 * max(float(np.abs(points).max()), 1e-9)
+    axes.plot(*points.T, color=RED, lw=1.0)
+    axes.plot(*points[:1].T, "o", color=BLACK, ms=4, label="first sample")
+    axes.plot(0.0, 0.0, "x", color=GREY, label="angular momentum")
+    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xlabel="ω across L [rad/s]", ylabel="[rad/s]")
+    axes.locator_params(nbins=5)
+
+
+def body(piece: RecordedSegment) -> tuple[Look, list[str], str] | None:
+    """Film of the first part of a segment, its times, and what it shows; none if no sample can be drawn."""
     t, states = _frames(piece)
     if not len(t):
         return None
@@ -182,42 +136,28 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     moving = _moving(piece, states, followed)[: -1 if scenario.path() else None]
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=False)),
-        line(
-            moving[2][:, 3 * followed + 1],
-            f"path of the {'xyz'[followed]} axis",
-            _TRACE,
-            2,
-            opacity=0.6,
-            hoverinfo="name",
-        ),
-        line(
-            _cross(1.0),
-            "axes of the world",
-            _WORLD,
-            2,
-            mode="lines+text",
-            hoverinfo="name",
-            text=["", "X", "", "", "Y", "", "", "Z", ""],
-            textfont={"size": 12, "color": _WORLD},
-        ),
+        _line(moving[2][:, 3 * followed + 1], f"path of the {'xyz'[followed]} axis", _TRACE, 2, opacity=0.6),
+        _line(_cross(1.0), "axes of the world", _WORLD, 2, **_letters("XYZ", 12)),
     ]
     # the eye is across the angular momentum and somewhat above
     azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
-    eye = coordinates(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
+    eye = _places(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
     hidden = {f"{name}axis": {"visible": False, "range": [-_REACH, _REACH]} for name in "xyz"}
-    scene = {**hidden, "aspectmode": "cube", "camera": {"eye": eye}}
-    content = drawn(data, scene=scene, uirevision="kept", margin={"l": 0, "r": 0, "t": 30, "b": 0})
+    layout = {
+        "scene": {**hidden, "aspectmode": "cube", "camera": {"eye": eye}, "hovermode": False},
+        "uirevision": "kept",
+        "margin": {"l": 0, "r": 0, "t": 30, "b": 0},
+        "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "bottom"},
+    }
     digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
     duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
     each = [[_places(points[k]) for points in moving] for k in range(len(t))]
-    film = {
-        "times": [f"{seconds:.{digits}f} s" for seconds in t.tolist()],
-        "duration": duration,
-        "pictures": [{name: [place[name] for place in places] for name in "xyz"} for places in each],
-    }
-    return {**content, "film": film}, (
+    pictures = [{name: [place[name] for place in places] for name in "xyz"} for places in each]
+    return (
+        {"data": data, "layout": layout, "film": {"duration": duration, "pictures": pictures}},
+        [f"{seconds:.{digits}f} s" for seconds in t.tolist()],
         f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * duration:.3g} s: a box of the body's principal "
-        "moments in the world. Drag to turn, scroll to come nearer."
+        "moments in the world. Drag to turn, scroll to come nearer.",
     )
 
 
@@ -261,12 +201,27 @@ def _cross(length: float) -> Array:
 
 
 def _places(points: Array) -> Look:
-    return {name: np.round(points[:, i], 3) for i, name in enumerate("xyz")}
+    return {name: np.round(points[..., i], 3) for i, name in enumerate("xyz")}
 
 
-def _arrow(points: Array, name: str, colour: str) -> Look:
+def _line(points: Array, name: str, colour: str, width: float, **more: Any) -> Look:
+    """Line through points of shape (N, 3)."""
+    style = {"color": colour, "width": width}
+    return {"type": "scatter3d", "name": name, "mode": "lines", "line": style, **_places(points), **more}
+
+
+def _letters(names: str, size: int) -> Look:
+    """Names at the ends of three axes."""
+    return {
+        "mode": "lines+text",
+        "text": [each for name in names for each in ("", name, "")],
+        "textfont": {"size": size},
+    }
+
+
+def _arrow(name: str, colour: str) -> Look:
     marker = {"size": [0, 5], "color": colour, "symbol": "diamond", "line": {"width": 0}}
-    return line(points, name, colour, 8, mode="lines+markers", marker=marker, hoverinfo="name")
+    return _line(_NONE, name, colour, 8, mode="lines+markers", marker=marker)
 
 
 _LOOKS: Final = (
@@ -277,24 +232,20 @@ _LOOKS: Final = (
         "facecolor": [tint for tint in ("#7FA6D9", "#B5CBE8", "#E3ECF7") for _ in range(4)],
         "flatshading": True,
         "lighting": {"ambient": 0.75, "diffuse": 0.5, "specular": 0.05},
-        "hoverinfo": "skip",
     },
-    line(_NONE, "edges", "#3B5B85", 3, showlegend=False, hoverinfo="skip"),
-    line(
+    _line(_NONE, "edges", "#3B5B85", 3, showlegend=False),
+    _line(
         _NONE,
         "axes of the body",
         COLOURS[0],
         5,
-        mode="lines+text",
         line={"color": [colour for colour in COLOURS for _ in range(3)], "width": 5},
-        text=["", "x", "", "", "y", "", "", "z", ""],
-        textfont={"size": 14},
         showlegend=False,
-        hoverinfo="skip",
+        **_letters("xyz", 14),
     ),
-    _arrow(_NONE, "angular velocity ω", _RATE),
-    line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
-    _arrow(_NONE, "angular momentum L, which kicks alone change", _MOMENTUM),  # not along a path
+    _arrow("angular velocity ω", _RATE),
+    _line(_NONE, "latest part of it", RED, 4, showlegend=False),
+    _arrow("angular momentum L, which kicks alone change", _MOMENTUM),  # not along a path
 )
 """Looks of what moves, in the order of `_moving`."""
 
@@ -315,35 +266,31 @@ def residuals_over_time(certificate: Certificate, residuals: ResidualsOverTime, 
     str
         HTML. Laws that have no residual but 0 are left out.
     """
-    watched = [law for law in certificate.laws if law.name in residuals.laws]
-    for law in watched:
-        if traces := list(_traces(law, residuals.laws[law.name], int(pieces[0].stamps_ns[0]))):
-            label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(
-                law.unit, f"residual [{law.unit}]"
-            )
-            time = axis("time [s]", range=[0.0, max(float(trace["x"][-1]) for trace in traces)])
-            size = logarithmic(label, np.concatenate([trace["y"] for trace in traces]))
-            yield figure(law.name, drawn(traces, xaxis=time, yaxis=size, shapes=resets(pieces), showlegend=False))
+    for law in certificate.laws:
+        if law.name in residuals.laws:
+            series = residuals.series(law.name, int(pieces[0].stamps_ns[0]))
+            if (series[1] > 0.0).any():
+                yield plane(law.name, partial(draw_law, law=law, series=series, pieces=pieces))
 
 
-def _traces(worst: LawResult, law: LawOverTime, origin_ns: int) -> Iterator[Look]:
-    """Curve of a law, marks at what is broken and at the worst, and its limit, if it has a residual but 0."""
-    t, residuals, limit, broken = law.series(origin_ns)
-    if not (residuals > 0.0).any():
-        return
-    limit = np.where(np.isfinite(limit), limit, 0.0)
-    finite = np.isfinite(residuals)
-    top = _BEYOND * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
-    heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
-    yield _over_time(t, heights, "largest residual", COLOURS[2])
-    if broken.any():
-        yield _over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
-    if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
-        at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
-        circle = {"symbol": "circle-open", "size": 11, "color": COLOURS[2], "line": {"width": 2}}
-        yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
-    if (limit > 0.0).any():
-        yield _over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT)
+def draw_law(axes: Axes, law: LawResult, series: tuple[Array, Array, Array, Booleans], pieces: Pieces) -> None:
+    """Draw the curve of a law with marks at what is broken and at the worst, and its limit."""
+    from lie_rigid_body.report.recording_picture import draw_curve, draw_resets
+
+    t, residuals, limits, broken = series
+    finite = np.concatenate([residuals, limits])
+    top = min(_BEYOND * float(finite[np.isfinite(finite)].max(initial=0.0)) or 1.0, _HIGHEST)
+    heights = np.minimum(residuals, top)
+    axes.set_yscale("log", nonpositive="mask")
+    draw_curve(axes, t, heights, BLUE, "largest residual", 1.2)
+    axes.plot(t[broken], heights[broken], ".", color=RED, label="broken" if broken.any() else None)
+    if law.stamp_ns is not None and law.worst > 0.0:
+        at_s = (law.stamp_ns - int(pieces[0].stamps_ns[0])) / 1e9
+        axes.plot(at_s, min(law.worst, top), "o", color=BLUE, mfc="none", ms=9, label=f"worst: number {law.sample}")
+    if np.isfinite(limits).any():
+        draw_curve(axes, t, limits, GREY, "limit", 1.2, ls="--")
+    axes.set(xlabel="time [s]", ylabel=f"residual [{law.unit}]" if len(law.unit) > 1 else "residual")
+    draw_resets(axes, pieces)
 
 
 def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
@@ -368,20 +315,15 @@ def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> 
         if shown.any() and limits.max() > 0.0:
             left_out = {"0": np.sum(residuals == 0.0), "not finite": np.sum(~finite)}
             caption = ", ".join(f"{what} in {count} {whose}" for what, count in left_out.items() if count)
-            yield figure(name, _distribution(residuals[shown], limits[shown], limits, whose), caption)
+            yield plane(name, partial(draw_distribution, pairs=np.array(pairs)[shown], whose=whose), caption)
 
 
-def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> Look:
-    """Number of residuals up to each size, with marks at those beyond their own limits, and the limits of all."""
-    order = np.argsort(residuals)
-    points = np.column_stack([residuals[order], np.arange(1, len(order) + 1)])
-    beyond = points[(residuals > own)[order]]
-    ends = limits[[np.argmin(limits), np.argmax(limits)]]
-    corners = np.column_stack([np.repeat(ends, 2), [0.0, len(order), len(order), 0.0]])
-    traces = [
-        line(points, "worst residuals", COLOURS[2], 1.4, mode="lines+markers"),
-        line(beyond, "beyond the limit", RED, 1.0, mode="markers", showlegend=len(beyond) > 0),
-        {**line(corners, "limits", GREY, 1.4), "fill": "toself", **_LIMIT},
-    ]
-    size = logarithmic("worst residual, up to", np.append(residuals, limits))
-    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"))
+def draw_distribution(axes: Axes, pairs: Array, whose: str) -> None:
+    """Draw the number of residuals up to each size, those beyond their own limits in red, and the limits of all."""
+    residuals, limits = pairs[np.argsort(pairs[:, 0])].T
+    numbers = np.arange(1, len(residuals) + 1)
+    beyond = residuals > limits
+    axes.plot(residuals, numbers, ".-", color=BLUE, label="worst residuals")
+    axes.plot(residuals[beyond], numbers[beyond], ".", color=RED, label="beyond the limit" if beyond.any() else None)
+    axes.axvspan(float(limits.min()), float(limits.max()), color=GREY, alpha=0.3, label="limits")
+    axes.set(xscale="log", xlabel="worst residual, up to", ylabel=whose, ylim=(0.0, None))

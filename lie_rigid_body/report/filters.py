@@ -15,7 +15,7 @@ from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable
 from lie_rigid_body.league.table import angle, rank_with_ties
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
+from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE, finish
 from lie_rigid_body.report.html_page import escaped
 
 if TYPE_CHECKING:
@@ -80,8 +80,7 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
     axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
     axes.set(xlabel="time, s", ylabel="total error, °", yscale="log")
     axes.margins(x=0.0)
-    axes.grid(alpha=0.3)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4 if width > 5.0 else 2, frameon=False)
+    finish(axes, 4 if width > 5.0 else 2)
     return figure
 
 

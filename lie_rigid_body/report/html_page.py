@@ -1,4 +1,4 @@
-"""The frame of a page: one HTML file that needs no other file and no network, and its figures by plotly.js."""
+"""The frame of a page: one HTML file that needs no other file and no network, and its figures."""
 
 from __future__ import annotations
 
@@ -10,24 +10,14 @@ from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
 from lie_rigid_body import __version__
-from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import printable
-from lie_rigid_body.report.drawing import FRAME, svg
+from lie_rigid_body.report.drawing import of_axes, svg
 from lie_rigid_body.simulation import Segment
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure as MatplotlibFigure
-
-Look = dict[str, Any]
-"""A trace, an axis or a figure of plotly.js."""
-Figure = Mapping[str, Any]
-"""A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
-
-_MARKS: Final = 6
-"""Largest number of decades that are labelled."""
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _STYLE: Final = """
 :root { color-scheme: light dark; --ink: #222; --paper: white; --line: #ddd; }
@@ -54,13 +44,13 @@ figure { margin: 1rem 0; min-width: 0; } svg { max-width: 100%; } figure > svg {
 figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr)); gap: 0.5rem 1.5rem; }
 .grid.wide { grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); }
-.plot { height: 15rem; } .plot.tall { height: 27rem; } .plot.body { height: 38rem; }
+.plot { height: 38rem; }
 .controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
 .narrow { display: none; }
 pre { background: var(--soft); padding: 0.8rem; overflow-x: auto; }
 @media (max-width: 640px) {
-  .wide:not(.grid) { display: none; } .narrow { display: block; } .plot.body { height: 26rem; }
+  .wide:not(.grid) { display: none; } .narrow { display: block; } .plot { height: 26rem; }
   th, td { padding: 0.3rem 0.4rem; }
 }
 @media screen and (prefers-color-scheme: dark) {
@@ -77,13 +67,13 @@ _DRAW: Final = """
 "use strict";
 const config = {responsive: true, displayModeBar: false};
 for (const data of document.querySelectorAll("script[type='application/json']")) {
-  const {film, ...figure} = JSON.parse(data.textContent);
+  const {film, times, ...figure} = JSON.parse(data.textContent);
   const plot = data.parentElement.querySelector(".plot");
   Plotly.newPlot(plot, {...figure, config});
-  if (film) project(plot, film);
+  project(plot, times, film);
 }
 
-function project(plot, {times, duration, pictures}) {
+function project(plot, times, {duration, pictures}) {
   const [button, slider, time] = plot.parentElement.querySelectorAll("button, input, output");
   const traces = pictures[0].x.map((_, i) => i);
   let playing = false, held = false, shown = 0, at = 0, before = 0;
@@ -114,7 +104,7 @@ function project(plot, {times, duration, pictures}) {
 """
 
 
-def document(title: str, parts: Iterable[str], *, with_figures: bool = False) -> bytes:
+def document(title: str, parts: Iterable[str], *, with_film: bool = False) -> bytes:
     """Make a page.
 
     Parameters
@@ -122,8 +112,8 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     title : str
     parts : iterable of str
         HTML, of which all text from outside is escaped.
-    with_figures : bool, optional
-        Whether some are by `figure`: then plotly.js is in the page.
+    with_film : bool, optional
+        Whether there is a `film`: then plotly.js is in the page.
 
     Returns
     -------
@@ -131,7 +121,7 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
         UTF-8. No script runs but those that are meant, and nothing is loaded from anywhere, whatever the parts hold.
     """
     scripts: list[str] = []
-    if with_figures:
+    if with_film:
         from plotly.offline import get_plotlyjs
 
         scripts += [get_plotlyjs(), _DRAW]
@@ -154,100 +144,40 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     return "\n".join(lines).encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
 
 
-def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
-    """Make a figure that plotly.js draws.
+def figure(heading: str, content: str, caption: str = "") -> str:
+    """Figure under a heading, of HTML, with a caption below."""
+    below = f"<figcaption>{escaped(caption)}</figcaption>" if caption else ""
+    return f"<figure><h3>{escaped(heading)}</h3>{content}{below}</figure>"
+
+
+def plane(heading: str, draw: Callable[[Axes], None], caption: str = "") -> str:
+    """Figure of one pair of axes of Matplotlib, half a page wide."""
+    return figure(heading, svg(partial(of_axes, draw)), caption)
+
+
+def film(content: Mapping[str, Any], times: Sequence[str]) -> str:
+    """Film that plotly.js draws, for a figure.
 
     Parameters
     ----------
-    heading, caption : str
     content : mapping
-        Its NaN and infinity are left out. With ``film`` it can be played: a mapping of ``duration``, ms, and, for each
-        picture, ``times``, texts, and ``pictures``, the coordinates of the first traces.
-    kind : str, optional
-        ``tall`` or ``body``: of another height.
+        The ``data`` and the ``layout`` of plotly.js. Its ``film`` has the ``duration``, ms, and the ``pictures``, the
+        coordinates of the first traces in each.
+    times : sequence of str
+        Time of each picture.
     """
     from plotly.io import to_json
 
-    data = str(to_json(content, validate=False)).replace("<", "\\u003c")
-    times = content.get("film", {}).get("times")
-    controls = times and (
-        '<div class="controls"><button type="button">▶ play</button>'
+    data = str(to_json({**content, "times": times}, validate=False)).replace("<", "\\u003c")
+    return (
+        '<div class="plot body"></div><div class="controls"><button type="button">▶ play</button>'
         f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
         f"<output>{escaped(times[0])}</output></div>"
-    )
-    below = f"<figcaption>{escaped(caption)}</figcaption>" if caption else ""
-    return (
-        f'<figure><h3>{escaped(heading)}</h3><div class="plot {kind}"></div>{controls or ""}'
-        f'<script type="application/json">{data}</script>{below}</figure>'
+        f'<script type="application/json">{data}</script>'
     )
 
 
-def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> Look:
-    """Figure of plotly.js: room for the axes and for a legend above them, and no more."""
-    return {
-        "data": traces,
-        "layout": {
-            "font": {"family": "sans-serif", "size": 12, "color": "#222"},
-            "margin": {"l": 10, "r": 24, "t": 28, "b": 10},
-            "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom"},
-            "paper_bgcolor": "white",
-            "plot_bgcolor": "white",
-            **layout,
-        },
-    }
-
-
-def axis(title: str, **more: Any) -> Look:
-    """Axis of a plane figure."""
-    return {
-        "title": {"text": title, "standoff": 6},
-        "gridcolor": "#E4E7EB",
-        "zeroline": False,
-        "showline": True,
-        "linecolor": FRAME,
-        "ticks": "outside",
-        "tickcolor": FRAME,
-        "automargin": True,
-        "ticklabeloverflow": "allow",  # where all were hidden, plotly.js would put the title at infinity
-        **more,
-    }
-
-
-def logarithmic(title: str, values: Array) -> Look:
-    """Axis of powers of ten, of whole decades around positive values."""
-    found = np.log10(values[np.isfinite(values) & (values > 0.0)])
-    low = int(np.floor(found.min()))
-    high = int(np.ceil(found.max() + 1e-9))
-    return axis(title, type="log", range=[low, high], dtick=-(-(high - low) // _MARKS), exponentformat="power")
-
-
-def line(points: Array, name: str, colour: str, width: float, **more: Any) -> Look:
-    """Line through points of shape (N, 2) or (N, 3), in a plane or in space."""
-    return {
-        "type": "scatter3d" if points.shape[-1] == 3 else "scatter",
-        "name": name,
-        "mode": "lines",
-        "line": {"color": colour, "width": width},
-        **coordinates(points),
-        **more,
-    }
-
-
-def mark(point: Array, name: str, **look: Any) -> Look:
-    """Mark at a point of shape (2,) or (3,)."""
-    return line(point[np.newaxis], name, "black", 1, mode="markers", marker=look)
-
-
-def coordinates(points: Array) -> Look:
-    """Components of points of shape (..., 2) or (..., 3) by the names of the axes.
-
-    They have six digits, which take less room in a page and are as many as a screen needs.
-    """
-    short = np.array([float(f"{value:.6g}") for value in points.ravel()]).reshape(points.shape)
-    return dict(zip("xyz", np.moveaxis(short, -1, 0), strict=False))
-
-
-def picture(draw: Callable[[float], MatplotlibFigure]) -> str:
+def picture(draw: Callable[[float], Figure]) -> str:
     """Picture by Matplotlib as SVG, which is drawn for two widths, in inches: those of a desk and of a phone."""
     wide, narrow = (svg(partial(draw, width)) for width in (10.0, 4.6))
     return f'<figure class="wide">{wide}</figure><figure class="narrow">{narrow}</figure>'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,7 +12,7 @@ from lie_rigid_body.estimates.programs import lines_of
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.inspection import Estimated, Inspection
-from lie_rigid_body.inspection.findings import HOW
+from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
@@ -24,10 +24,7 @@ from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-_NARROW: Final = 5.0
-"""Width, inches, up to which a figure is for the screen of a phone: its panels are one below the other."""
 _SHADES: Final = {
     "rest": (BLUE, 0.15, "at rest"),
     "compared": (GREY, 0.10, "stretch that was compared"),
@@ -70,7 +67,7 @@ def parts_of_inspection(found: Inspection) -> Parts:
             ],
             "Parameters of the sensors, repaired",
         ),
-        *(Picture(partial(html_page.picture, partial(draw, found))) for draw in _pictures(found)),
+        Picture(lambda: html_page.grid([*_curves(found), *_allan_deviations(found), *_fields(found)], wide=True)),
     ]
 
 
@@ -138,45 +135,33 @@ def csv_of(run: Run) -> bytes:
     return "\n".join([*lines_of(run), ""]).encode()
 
 
-def _pictures(found: Inspection) -> Iterator[Any]:
-    yield _draw_readings
-    if any(name.endswith("_noise_density") for name in found.sensors):
-        yield _draw_allan
-    if "magnetometer_hard_iron" in found.sensors:
-        yield _draw_field
-
-
-def _draw_readings(found: Inspection, width: float) -> Figure:
+def _curves(found: Inspection) -> Iterator[str]:
     """The readings over time, the rest, the stretch that was compared, and what is broken."""
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Rectangle
-
     given = [(sensor, *_readings(found, found.run, sensor)) for sensor in _UNITS]
     there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
     begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
-    figure = Figure(figsize=(width, 1.0 + 1.9 * len(there)), layout="constrained")
-    for (sensor, key, t_ns, readings), axes in zip(
-        there, np.ravel(figure.subplots(len(there), sharex=True)), strict=True
-    ):
-        _draw_axes(axes, (t_ns - begin_ns) / 1e9, readings)
-        for mark in found.marks:
-            if mark.sensor in (sensor, key, ""):
-                colour, alpha, _ = _SHADES.get(mark.text, _BROKEN)
-                axes.axvspan(*((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns)), color=colour, alpha=alpha)
+    for sensor, key, t_ns, readings in there:
         codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
-        axes.set_ylabel(f"{sensor} [{'?' if f'{sensor}_units' in codes else _UNITS[sensor]}]")
-        axes.set_title(", ".join(codes), loc="left", fontsize=9, color=RED)
-        axes.grid(alpha=0.3)
-    axes.set_xlabel("time [s]")
-    shades = [*_SHADES.values(), _BROKEN]
-    figure.legend(
-        [Rectangle((0.0, 0.0), 1.0, 1.0, color=colour, alpha=alpha) for colour, alpha, _ in shades],
-        [label for *_, label in shades],
-        loc="outside lower center",
-        ncols=3 if width > _NARROW else 1,
-        frameon=False,
-    )
-    return figure
+        unit = "?" if f"{sensor}_units" in codes else _UNITS[sensor]
+        marks = [mark for mark in found.marks if mark.sensor in (sensor, key, "")]
+        draw = partial(_draw_readings, t_ns=t_ns, readings=readings, marks=marks, begin_ns=begin_ns, unit=unit)
+        yield html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
+
+
+def _draw_readings(
+    axes: Axes, t_ns: Integers, readings: Array, marks: Sequence[Mark], begin_ns: int, unit: str
+) -> None:
+    t_s = (t_ns - begin_ns) / 1e9
+    for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
+        kept = extremes(t_s, values, 1000)
+        axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
+    for mark in marks:
+        colour, alpha, shade = _SHADES.get(mark.text, _BROKEN)
+        ends = ((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns))
+        is_labelled = shade in axes.get_legend_handles_labels()[1]
+        axes.axvspan(*ends, color=colour, alpha=alpha, label=None if is_labelled else shade)
+    axes.margins(x=0.0)
+    axes.set(xlabel="time [s]", ylabel=f"readings [{unit}]")
 
 
 def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, Any]:
@@ -186,64 +171,47 @@ def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, 
     return key, found.stamps.get(key, np.arange(0 if readings is None else len(readings))), readings
 
 
-def _draw_axes(axes: Axes, t_s: Array, readings: Array) -> None:
-    """Draw the three components of readings."""
-    for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
-        kept = extremes(t_s, values, 1000)
-        axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
-    axes.margins(x=0.0)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
-
-
-def _side_by_side(width: float, count: int) -> tuple[Figure, Iterable[Axes]]:
-    """Figure of some panels, one below the other where it is narrow."""
-    from matplotlib.figure import Figure
-
-    narrow = width <= _NARROW
-    figure = Figure(figsize=(width, 3.6 * count if narrow else 3.9), layout="constrained")
-    return figure, np.ravel(figure.subplots(*((count, 1) if narrow else (1, count))))
-
-
-def _draw_allan(found: Inspection, width: float) -> Figure:
-    """The Allan deviation at rest, with the fit of white noise and a random walk."""
-    (rest,) = (mark for mark in found.marks if mark.text == "rest")
+def _allan_deviations(found: Inspection) -> Iterator[str]:
+    """The Allan deviation of each sensor at rest, with the fit of white noise and a random walk."""
     told = [sensor for sensor in _UNITS if f"{sensor}_noise_density" in found.sensors]
-    figure, panels = _side_by_side(width, len(told))
-    repaired = found.repaired()
-    for sensor, axes in zip(told, panels, strict=True):
-        _, t_ns, readings = _readings(found, repaired, sensor)
-        still = (t_ns >= rest.begin_ns) & (t_ns <= rest.end_ns)
-        measured = allan(readings[still], float(np.median(np.diff(t_ns))) / 1e9)
-        fitted = density(measured)
-        axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
-        model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
-        axes.loglog(measured.tau_s, model, color=ORANGE, label="white noise and random walk")
-        axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{_UNITS[sensor]}]", title=sensor)
-        axes.xaxis.set_minor_formatter("")
-        axes.grid(alpha=0.3, which="both")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
-    return figure
+    for sensor in told:
+        yield html_page.plane(f"Allan deviation of the {sensor}", partial(_draw_allan, found=found, sensor=sensor))
 
 
-def _draw_field(found: Inspection, width: float) -> Figure:
+def _draw_allan(axes: Axes, found: Inspection, sensor: str) -> None:
+    (rest,) = (mark for mark in found.marks if mark.text == "rest")
+    _, t_ns, readings = _readings(found, found.repaired(), sensor)
+    still = (t_ns >= rest.begin_ns) & (t_ns <= rest.end_ns)
+    measured = allan(readings[still], float(np.median(np.diff(t_ns))) / 1e9)
+    fitted = density(measured)
+    axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
+    model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
+    axes.loglog(measured.tau_s, model, color=ORANGE, label="white noise and random walk")
+    axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{_UNITS[sensor]}]")
+    axes.xaxis.set_minor_formatter("")
+
+
+def _fields(found: Inspection) -> Iterator[str]:
     """Readings of the magnetometer on each pair of axes, before and after hard and soft iron are taken off."""
+    if "magnetometer_hard_iron" not in found.sensors:
+        return
     *_, field = _readings(found, found.repaired(), "magnetometer")
     iron = np.asarray(found.sensors["magnetometer_hard_iron"].value)
     soft = found.sensors.get("magnetometer_soft_iron")
     matrix = np.eye(3) if soft is None else np.linalg.inv(np.reshape(soft.value, (3, 3)))
-    after = (field - iron) @ matrix.T
-    radius = float(np.median(np.linalg.norm(after, axis=1))) * 1e6
+    both = 1e6 * np.stack([field, (field - iron) @ matrix.T])
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        draw = partial(_draw_field, both=both, i=i, j=j)
+        yield html_page.plane(f"Magnetic field on {'xyz'[i]} and {'xyz'[j]}", draw)
+
+
+def _draw_field(axes: Axes, both: Array, i: int, j: int) -> None:
+    """Draw components of readings of shape (2, N, 3), µT, and a circle of the size of the field."""
+    radius = float(np.median(np.linalg.norm(both[1], axis=1)))
     circle = radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 200))
-    largest = max(radius, float(np.abs(field).max()) * 1e6)
-    rows = slice(None, None, max(len(field) // 3000, 1))
-    figure, panels = _side_by_side(width, 3)
-    for (i, j), axes in zip(((0, 1), (1, 2), (2, 0)), panels, strict=True):
-        axes.plot(circle.real, circle.imag, color=BLACK, lw=0.8, label="size of the field")
-        for points, colour, label in ((field, ORANGE, "before"), (after, BLUE, "after")):
-            axes.plot(*points[rows][:, [i, j]].T * 1e6, ".", color=colour, ms=2, label=label)
-        limits = (-1.1 * largest, 1.1 * largest)
-        axes.set(xlabel=f"{'xyz'[i]} [µT]", ylabel=f"{'xyz'[j]} [µT]", aspect="equal", xlim=limits, ylim=limits)
-        axes.grid(alpha=0.3)
-    handles = axes.get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=3, frameon=False, markerscale=4)
-    return figure
+    rows = slice(None, None, max(both.shape[1] // 3000, 1))
+    axes.plot(circle.real, circle.imag, color=BLACK, lw=0.8, label="size of the field")
+    for points, colour, label in zip(both[:, rows], (ORANGE, BLUE), ("before", "after"), strict=True):
+        axes.plot(points[:, i], points[:, j], ".", color=colour, ms=2, label=label)
+    axes.set(xlabel=f"{'xyz'[i]} [µT]", ylabel=f"{'xyz'[j]} [µT]", aspect="equal")
+    axes.set_adjustable("datalim")

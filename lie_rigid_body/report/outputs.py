@@ -24,7 +24,7 @@ def require_outputs(
     inputs: Iterable[str | Path],
     *,
     overwrite: bool,
-    with_figures: bool = False,
+    with_film: bool = False,
     suffixes: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
     """Refuse files before the work that are of another kind, inputs, one file, or could not be written after it.
@@ -37,8 +37,8 @@ def require_outputs(
     inputs : iterable of str or Path
     overwrite : bool
         Whether existing files are replaced.
-    with_figures : bool, optional
-        Whether plotly draws some of them, and has to be installed.
+    with_film : bool, optional
+        Whether a page has a film by plotly, which has to be installed.
     suffixes : mapping of str to str, optional
         Endings of the files of a verb that are not the usual ones.
 
@@ -49,7 +49,7 @@ def require_outputs(
     wanted = {name: path for name, path in outputs.items() if path is not None}
     for name, path in wanted.items():
         require_suffix(f"--{name}", path, (_SUFFIXES | dict(suffixes))[name])
-    if wanted and with_figures and not find_spec("plotly"):
+    if wanted and with_film and not find_spec("plotly"):
         raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
     paths = [*wanted.values()]
     read = [*inputs] if wanted else []

@@ -66,7 +66,7 @@ def as_table(verdicts: Verdicts) -> str:
 def page_of_verdicts(title: str, verdicts: Verdicts) -> bytes:
     """Answer as a page, of at least one bag or body that has a certificate."""
     curves = Picture(lambda: "".join(_distributions(kind_of(verdicts), verdicts)))
-    return answer.as_page(title, [*_parts(verdicts), curves], with_figures=True)
+    return answer.as_page(title, [*_parts(verdicts), curves])
 
 
 def _parts(verdicts: Verdicts) -> Parts:

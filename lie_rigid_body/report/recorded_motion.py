@@ -96,37 +96,30 @@ def first_arc(piece: RecordedSegment) -> tuple[RecordedSegment, State]:
 
 
 class ResidualsOverTime(Watch):
-    """The largest residuals of each law over time; a `Watch` for `certify`."""
+    """The largest residuals and limits of each law in pieces of the blocks in which samples come: a `Watch`."""
 
     def __init__(self) -> None:
-        self.laws: dict[str, LawOverTime] = {}
+        self._pieces: dict[str, list[tuple[Integers, Array]]] = {}
 
     def __call__(self, name: str, unit: str, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
-        """Take the residuals of a law for the samples that come next."""
+        """Take the residuals of a law for the samples that come next, not negative, NaN for broken."""
         if len(stamps_ns):
-            self.laws.setdefault(name, LawOverTime()).add(residuals, limits, stamps_ns)
+            first = np.unique(np.linspace(0, len(stamps_ns), MAX_PIECES, endpoint=False).astype(np.int64))
+            sizes = np.where(np.isnan(residuals), np.inf, residuals)
+            of_each = np.stack(np.broadcast_arrays(sizes, limits, ~(residuals <= limits)))
+            largest = np.maximum.reduceat(of_each, first, axis=1)
+            self._pieces.setdefault(name, []).append((stamps_ns[first], largest))
 
+    @property
+    def laws(self) -> set[str]:
+        """Names of the laws."""
+        return {*self._pieces}
 
-class LawOverTime:
-    """The largest residuals and limits of one law in pieces of the blocks in which its samples come."""
-
-    def __init__(self) -> None:
-        self._stamps_ns: list[Integers] = []
-        self._largest: list[Array] = []
-
-    def add(self, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
-        """Take residuals, not negative, NaN for broken, of at least one sample."""
-        first = np.unique(np.linspace(0, len(stamps_ns), MAX_PIECES, endpoint=False).astype(np.int64))
-        sizes = np.where(np.isnan(residuals), np.inf, residuals)
-        of_each = np.stack(np.broadcast_arrays(sizes, limits, ~(residuals <= limits)))
-        self._stamps_ns.append(stamps_ns[first])
-        self._largest.append(np.maximum.reduceat(of_each, first, axis=1))
-
-    def series(self, origin_ns: int) -> tuple[Array, Array, Array, Booleans]:
-        """Times at which the pieces begin, s since a stamp, residuals, limits, and which are broken."""
-        stamps_ns = np.concatenate(self._stamps_ns)
+    def series(self, name: str, origin_ns: int) -> tuple[Array, Array, Array, Booleans]:
+        """Times at which the pieces of a law begin, s since a stamp, residuals, limits, and which are broken."""
+        stamps_ns, largest = (np.concatenate(each, axis=-1) for each in zip(*self._pieces[name], strict=True))
         order = np.argsort(stamps_ns, kind="stable")
-        residuals, limits, broken = np.concatenate(self._largest, axis=1)[:, order]
+        residuals, limits, broken = largest[:, order]
         return np.asarray((stamps_ns[order] - origin_ns) * 1e-9), residuals, limits, broken > 0.0
 
 

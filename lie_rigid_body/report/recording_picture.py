@@ -14,7 +14,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.wording import counted
-from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
+from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE, finish
 from lie_rigid_body.report.recorded_motion import (
     EYE,
     MANY_SAMPLES,
@@ -62,33 +62,46 @@ def draw(pieces: Pieces) -> Figure:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
     over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
+    whose = "first segment: " if len(pieces) > 1 else ""
+    of_arc = "first moving arc: " if pieces[0].segment.scenario.kicks else ""
+    _draw_curves(over_time, pieces)
+    _draw_polhode(of_space, pieces[0], whose + of_arc)
+    figure.suptitle(_title(pieces, whose), fontsize=11)
+    return figure
+
+
+def curves(pieces: Pieces) -> Figure:
+    """Figure of the curves alone, half a page wide."""
+    figure = Figure(figsize=(5.6, 7.5), layout="constrained")
+    _draw_curves(figure, pieces)
+    return figure
+
+
+def _draw_curves(figure: Any, pieces: Pieces) -> None:
     scenarios = [piece.segment.scenario for piece in pieces]
     moves = any(scenario.moves for scenario in scenarios)
     drifts = 2 * any(scenario.motion != "path" for scenario in scenarios)
     heights = (1.35, *[1.0] * (moves + drifts))
-    curves = over_time.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    rate, *others = curves
-    whose = "first segment: " if len(pieces) > 1 else ""
-    of_arc = "first moving arc: " if scenarios[0].kicks else ""
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    rate, *others = panels
     _draw_vectors(rate, pieces, lambda piece: piece.states.body_rate, r"\omega", "body rate [rad/s]")
     if moves:
         _draw_vectors(others[0], pieces, lambda piece: piece.position, "", "position [m]")
     if drifts:
         _draw_drifts(others[-2], others[-1], pieces)
     others[-1].set_xlabel("time since the first sample [s]")
-    _draw_polhode(of_space, pieces[0], whose + of_arc)
-    resets = reset_times(pieces)
-    # many are short marks at the upper edge
-    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
-    for axes in curves:
-        if axes.get_legend_handles_labels()[1]:  # above the axes it hides nothing
-            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
-        axes.grid(alpha=0.3, lw=0.6)
+    for axes in panels:
+        finish(axes, 3)
         axes.margins(x=0.0)
         axes.label_outer()
-        axes.vlines(resets, lowest, 1.0, transform=axes.get_xaxis_transform(), color="black", **look)
-    figure.suptitle(_title(pieces, whose), fontsize=11)
-    return figure
+        draw_resets(axes, pieces)
+
+
+def draw_resets(axes: Axes, pieces: Pieces) -> None:
+    """Draw a line at each reset; many are short marks at the upper edge."""
+    resets = reset_times(pieces)
+    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
+    axes.vlines(resets, lowest, 1.0, transform=axes.get_xaxis_transform(), color="black", **look)
 
 
 def _draw_vectors(axes: Axes, pieces: Pieces, of: Callable[[RecordedSegment], Array], symbol: str, label: str) -> None:
@@ -96,7 +109,7 @@ def _draw_vectors(axes: Axes, pieces: Pieces, of: Callable[[RecordedSegment], Ar
         t = times(piece.stamps_ns, pieces)
         for name, colour, values in zip("xyz", COLOURS, of(piece).T, strict=True):
             component = f"${symbol}_{name}$" if symbol else f"${name}$"
-            _draw_curve(axes, t, values, colour, component if piece is pieces[0] else None, 1.4)
+            draw_curve(axes, t, values, colour, component if piece is pieces[0] else None, 1.4)
     axes.set_ylabel(label)
 
 
@@ -104,9 +117,9 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Pieces) -> None:
     """Draw relative changes of kinetic energy and world momentum since the start, or since the latest kick."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     drifts = np.concatenate([_drifts(piece) for piece in pieces])
-    _draw_curve(energy, t, drifts[:, 0], GREY, None, 0.6)
+    draw_curve(energy, t, drifts[:, 0], GREY, None, 0.6)
     for name, colour, drift in zip("xyz", COLOURS, drifts[:, 1:].T, strict=True):
-        _draw_curve(momentum, t, drift, colour, rf"$L_{name}$", 0.6, alpha=0.6)
+        draw_curve(momentum, t, drift, colour, rf"$L_{name}$", 0.6, alpha=0.6)
     energy.set_ylabel("energy drift\n$(H - H_0)/H_{max}$")
     momentum.set_ylabel("world momentum drift\n$(L - L_0)/|L|_{max}$")
 
@@ -122,7 +135,7 @@ def _drifts(piece: RecordedSegment) -> Array:
     )
 
 
-def _draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | None, width: float, **look: Any) -> None:
+def draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | None, width: float, **look: Any) -> None:
     """Draw a curve by its extremes, without numbers that an axis cannot have."""
     known = np.abs(values) < _MAX_DRAWN
     t = t[known]

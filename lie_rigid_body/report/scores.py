@@ -19,7 +19,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Details, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, finish, label, png
 from lie_rigid_body.report.recorded_motion import curve_style, extremes
 
 if TYPE_CHECKING:
@@ -271,24 +271,22 @@ def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
     """Figure of the total errors of several estimates, under their topics; see `draw`."""
     columns = 2 if width > _NARROW else 1
     size = (width, 3.4 + 0.25 * len(scored) / columns)
-    return _figure([title], size, [(partial(_draw_several, scored=scored), "total error [deg]", columns)], "left")
+    return _figure([title], size, [(partial(_draw_several, scored=scored), "total error [deg]", columns)])
 
 
-def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel], side: str = "right") -> Figure:
+def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel]) -> Figure:
     """Panels one above the other, and titles above them."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, dpi=120, layout="constrained")
-    place = float(side == "right")
     figure._repr_png_ = partial(png, lambda: figure)  # type: ignore[attr-defined]  # by which a notebook shows it
-    for (draw_panel, label, columns), axes in zip(
+    for (draw_panel, name, columns), axes in zip(
         panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
     ):
         draw_panel(axes)
         axes.margins(x=0.0)
-        axes.set_ylabel(label)
-        axes.grid(alpha=0.3, lw=0.6)
-        axes.legend(loc=f"lower {side}", bbox_to_anchor=(place, 1.0), ncols=columns, frameon=False, borderaxespad=0.1)
+        axes.set_ylabel(name)
+        finish(axes, columns)
     axes.set_xlabel("time since the first estimate [s]")
     if titles[0]:
         # the names of a file and a topic may hold anything, and ``$`` is no formula
@@ -310,10 +308,8 @@ def _draw_several(axes: Axes, scored: Scored) -> None:
     """Draw the total error of each estimate."""
     first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
     for number, (read, score) in enumerate(scored):
-        label = f"{shortened(printable(read.track.topic), 30)}, {in_degrees(score.total_deg.rms)} rms".replace(
-            "$", r"\$"
-        )
-        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), label, f"C{number % 10}", 1.0)
+        name = label(f"{shortened(printable(read.track.topic), 30)}, {in_degrees(score.total_deg.rms)} rms")
+        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), name, f"C{number % 10}", 1.0)
     _scale(axes, [np.degrees(score.error.total) for _, score in scored])
 
 

@@ -15,6 +15,7 @@ from lie_rigid_body.evaluation.cramer_rao_bound import (
     AttitudeReadings,
     BiasNoise,
     CramerRaoBound,
+    NoisySensors,
     VectorReadings,
     cramer_rao_bound,
     dynamic_bound,
@@ -105,17 +106,14 @@ def _in_turn(parts: Sequence[CramerRaoBound]) -> CramerRaoBound | None:
     """Bounds of consecutive segments as one; None without a segment."""
     if not parts:
         return None
+    of_stamps = ("filtered", "smoothed", "gyro_bias", "stamps_ns", "joint_ns")
     return CramerRaoBound(
-        np.concatenate([part.filtered for part in parts]),
-        np.concatenate([part.smoothed for part in parts]),
-        np.concatenate([part.gyro_bias for part in parts]),
-        np.concatenate([part.stamps_ns for part in parts]),
-        next((part.unobserved for part in parts if part.unobserved), ""),
-        _in_turn([part.calibrated for part in parts if part.calibrated is not None]),
-        _in_turn([part.dynamic for part in parts if part.dynamic is not None]),
-        np.concatenate([part.joint_ns for part in parts]),
-        scipy.linalg.block_diag(*(part.joint for part in parts)),
-        any(part.carried for part in parts),
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in of_stamps},
+        unobserved=next((part.unobserved for part in parts if part.unobserved), ""),
+        calibrated=_in_turn([part.calibrated for part in parts if part.calibrated is not None]),
+        dynamic=_in_turn([part.dynamic for part in parts if part.dynamic is not None]),
+        joint=scipy.linalg.block_diag(*(part.joint for part in parts)),
+        carried=any(part.carried for part in parts),
     )
 
 
@@ -226,7 +224,7 @@ def bound_of_readings(
     aids = [*_aids(scenario, lambda model: own[id(model)])]
     indices = _kept(every, [aid.stamps_ns for aid in aids], most)
     steps = np.diff(indices, prepend=-1).astype(np.float64)
-    return cramer_rao_bound(every[indices], truth.at(every[indices]), gyro_readings=steps, **_noise(scenario, aids))
+    return cramer_rao_bound(every[indices], truth.at(every[indices]), _noise(scenario, aids), steps)
 
 
 def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> CramerRaoBound:
@@ -244,25 +242,24 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
         return states.attitude_xyzw, states.body_rate
 
     truth = scenario.exact_motion().at(t_ns[indices]).attitude_xyzw
-    bound = cramer_rao_bound(every[indices], truth, gyro_readings=whole_steps, **sensors)
+    bound = cramer_rao_bound(every[indices], truth, sensors, whole_steps)
     bound = replace(bound, carried=scenario.sway() is not None or scenario.path() is not None)
     if scenario.kicks or scenario.path():  # nobody knows them, and between kicks the dynamics tell little
         return bound
-    del sensors["gyro_linear_errors"]
-    dynamic = dynamic_bound(every[few], motion, start.attitude_xyzw, start.body_rate, gyro_readings=steps, **sensors)
-    return replace(bound, dynamic=dynamic)
+    begin = (start.attitude_xyzw, start.body_rate)
+    return replace(bound, dynamic=dynamic_bound(every[few], motion, begin, sensors, steps))
 
 
-def _noise(scenario: Scenario, aids: Sequence[VectorReadings | AttitudeReadings]) -> dict[str, Any]:
-    """Noise of the gyro and readings of the other sensors, as the bound takes them."""
+def _noise(scenario: Scenario, aids: Sequence[VectorReadings | AttitudeReadings]) -> NoisySensors:
+    """Sensors as the bound takes them."""
     imu = scenario.sensors.imu
-    return {
-        "gyro_noise": imu.gyro.noise_density * np.sqrt(imu.rate),
-        "gyro_bias": BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
-        "vectors": [aid for aid in aids if isinstance(aid, VectorReadings)],
-        "attitudes": [aid for aid in aids if isinstance(aid, AttitudeReadings)],
-        "gyro_linear_errors": imu.gyro.linear_errors,
-    }
+    return NoisySensors(
+        imu.gyro.noise_density * np.sqrt(imu.rate),
+        BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
+        [aid for aid in aids if isinstance(aid, VectorReadings)],
+        [aid for aid in aids if isinstance(aid, AttitudeReadings)],
+        imu.gyro.linear_errors,
+    )
 
 
 def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:

@@ -111,13 +111,12 @@ def test_where_no_scheduler_answers_the_campaign_ends(address: str, tmp_path: Pa
 def test_a_page_shows_the_runs_and_how_many_are_certified(
     out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("plotly")
     report = tmp_path / "report.html"
     given = [str(written(tmp_path)), "--out", str(out), "--report", str(report)]
     assert main(given) == 0
     assert str(report) in capsys.readouterr().out
     text = report.read_text(encoding="utf-8")
-    assert report.stat().st_size <= 6_000_000
+    assert report.stat().st_size <= 100_000
     assert re.search("6 of 6 .*CERTIFIED", text)
     rows = table_of(out).to_pylist()
     for row in rows:

@@ -93,7 +93,9 @@ def test_a_late_truth_is_named(logs: Path, capsys: pytest.CaptureFixture[str]) -
 def test_the_page_has_pictures(logs: Path, tmp_path: Path) -> None:
     assert main([str(logs / "degrees.csv"), "--report", str(tmp_path / "page.html")]) == 1
     page = (tmp_path / "page.html").read_text()
-    assert page.count("<svg") == 6  # readings, Allan deviation and field, for two widths
+    assert (
+        page.count("<svg") == 3 + 3 + 3
+    )  # readings and Allan deviations of three sensors, and fields on pairs of axes
     assert "gyro_units" in page
 
 

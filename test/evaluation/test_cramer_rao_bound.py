@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from lie_rigid_body.evaluation.cramer_rao_bound import (
     AttitudeReadings,
     BiasNoise,
     CramerRaoBound,
+    NoisySensors,
     VectorReadings,
     cramer_rao_bound,
     dynamic_bound,
@@ -37,7 +37,7 @@ def stamps(count: int) -> np.ndarray:
 def test_a_body_at_rest_comes_to_the_solution_of_the_riccati_equation():
     t_ns, q = stamps(3000), np.tile([0.0, 0.0, 0.0, 1.0], (3000, 1))
     vectors = [VectorReadings(t_ns, UP, 0.5), VectorReadings(t_ns, NORTH, 0.02)]
-    found = cramer_rao_bound(t_ns, q, gyro_noise=0.01, gyro_bias=BiasNoise(0.01, 1e-4), vectors=vectors)
+    found = cramer_rao_bound(t_ns, q, NoisySensors(gyro_noise=0.01, gyro_bias=BiasNoise(0.01, 1e-4), vectors=vectors))
     a = np.block([[np.eye(3), H * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
     into = np.vstack([H * np.eye(3), np.eye(3)])
     added = 1e-8 * into @ into.T
@@ -52,7 +52,7 @@ def test_a_body_at_rest_comes_to_the_solution_of_the_riccati_equation():
 def test_what_is_left_is_known_where_nothing_is_read():
     """The gyro alone: the variance grows by (hσ)² a sample from the first, and no reading after helps."""
     t_ns = stamps(200)
-    found = cramer_rao_bound(t_ns, MOTION.at(t_ns).attitude_xyzw, gyro_noise=0.1, initial=0.2)
+    found = cramer_rao_bound(t_ns, MOTION.at(t_ns).attitude_xyzw, NoisySensors(gyro_noise=0.1, initial=0.2))
     trace = np.trace(found.filtered, axis1=1, axis2=2)
     turns = norm(MOTION.at(t_ns[1:]).body_rate) * H
     assert trace[0] == pytest.approx(3 * 0.04)
@@ -68,7 +68,7 @@ def test_what_no_reading_tells_is_named_and_no_angle_is_larger_than_that_of_a_gu
     up, north = VectorReadings(t_ns, UP, 0.3), VectorReadings(t_ns, NORTH, 0.03)
 
     def bound(*vectors: VectorReadings) -> CramerRaoBound:
-        return cramer_rao_bound(t_ns, q, gyro_noise=0.01, vectors=vectors)
+        return cramer_rao_bound(t_ns, q, NoisySensors(gyro_noise=0.01, vectors=vectors))
 
     nothing = bound()
     assert nothing.rms(nothing.smoothed) == pytest.approx(np.sqrt(np.pi**2 / 3.0 + 2.0))
@@ -83,8 +83,8 @@ def test_readings_of_the_attitude_are_those_of_three_vectors():
     q = MOTION.at(t_ns).attitude_xyzw
     three = [VectorReadings(t_ns[::5], axis, 0.02) for axis in np.eye(3)]
     whole = AttitudeReadings(t_ns[::5], 0.5 * 0.02**2 * np.eye(3))
-    one = cramer_rao_bound(t_ns, q, gyro_noise=0.01, vectors=three)
-    other = cramer_rao_bound(t_ns, q, gyro_noise=0.01, attitudes=[whole])
+    one = cramer_rao_bound(t_ns, q, NoisySensors(gyro_noise=0.01, vectors=three))
+    other = cramer_rao_bound(t_ns, q, NoisySensors(gyro_noise=0.01, attitudes=[whole]))
     np.testing.assert_allclose(other.smoothed, one.smoothed, rtol=0, atol=1e-12)
     assert other.unobserved == ""
 
@@ -94,7 +94,7 @@ def test_a_tiny_noise_is_not_lost_in_rounding(noise):
     """Two vectors at right angles, of one sample: their information, whatever the deviation before."""
     q = np.array([[0.0, 0.0, 0.0, 1.0]])
     vectors = [VectorReadings(stamps(1), axis, noise) for axis in np.eye(3)[:2]]
-    found = cramer_rao_bound(stamps(1), q, gyro_noise=1.0, vectors=vectors)
+    found = cramer_rao_bound(stamps(1), q, NoisySensors(gyro_noise=1.0, vectors=vectors))
     wanted = 1.0 / (np.pi**-2 + noise**-2 * np.array([1.0, 1.0, 2.0]))
     np.testing.assert_allclose(found.smoothed[0], np.diag(wanted), rtol=0, atol=5e-3 * noise**2)
 
@@ -140,18 +140,20 @@ def test_the_dynamic_bound_is_that_of_all_unknowns_of_the_exact_motion():
     true = of_start(np.zeros(6))[0]
     turns = derivative(lambda x: (true.inv() * of_start(x)[0]).as_rotvec().ravel())
     covariance = turns @ np.linalg.inv(jacobian.T @ jacobian) @ turns.T
-    given: Any = {"gyro_noise": gyro_noise, "gyro_bias": bias, "vectors": [up, north]}
+    given = NoisySensors(gyro_noise, bias, [up, north])
 
     def motion(attitude_xyzw, body_rate):
         states = ClosedForm(RigidBody(inertia), State(attitude_xyzw, body_rate)).at(t_ns)
         return states.attitude_xyzw, states.body_rate
 
     later = [replace(each, stamps_ns=each.stamps_ns + 10**9) for each in (up, north)]
-    found = dynamic_bound(t_ns + 10**9, motion, start.attitude_xyzw, start.body_rate, **{**given, "vectors": later})
+    found = dynamic_bound(
+        t_ns + 10**9, motion, (start.attitude_xyzw, start.body_rate), replace(given, vectors=later), np.ones(count)
+    )
     np.testing.assert_array_equal(found.joint_ns, t_ns + 10**9)
     np.testing.assert_allclose(found.joint, covariance, rtol=0, atol=1e-5 * np.abs(covariance).max())
     blocks = np.array([covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] for k in range(count)])
     np.testing.assert_allclose(found.smoothed, blocks, rtol=0, atol=1e-5 * blocks.max())
     np.testing.assert_allclose(found.filtered[-1], blocks[-1], rtol=0, atol=1e-5 * blocks[-1].max())
-    without = cramer_rao_bound(t_ns, true.as_quat(), **given)
+    without = cramer_rao_bound(t_ns, true.as_quat(), given)
     assert (np.trace(found.smoothed, axis1=1, axis2=2) < np.trace(without.smoothed, axis1=1, axis2=2)).all()

@@ -175,7 +175,7 @@ def of_a_score() -> list[Any]:
     exact = evaluation.ExactTruth(exact_attitudes, 0, int(TIMES[-1]))
     bias = cramer_rao_bound.BiasNoise(0.1, 0.01)
     up = cramer_rao_bound.VectorReadings(TIMES, np.array([0.0, 0.0, 9.8]), 0.1, bias)
-    bound = cramer_rao_bound.cramer_rao_bound(TIMES, truth, gyro_noise=0.1, gyro_bias=bias, vectors=[up])
+    bound = cramer_rao_bound.cramer_rao_bound(TIMES, truth, cramer_rao_bound.NoisySensors(0.1, bias, [up]))
     found = [score, score.consistency, score.total_deg, *score.findings, score.error, score_limits, sampled, exact]
     return [*found, bias, up, cramer_rao_bound.AttitudeReadings(TIMES, np.eye(3)), bound]
 

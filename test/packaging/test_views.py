@@ -55,7 +55,7 @@ def test_rviz_shows_markers_pose_frames_and_axes() -> None:
 
 def test_rviz_and_foxglove_show_every_marker() -> None:
     code = (CONFIG.parent / "ros" / "publishing" / "views.py").read_text(encoding="utf-8")
-    drawn = set(re.findall(r'_(?:marker|arrow)\(\s*\d,\s*"([^"]+)"', code))
+    drawn = set(re.findall(r'"([^"]+)",\s*Marker\.', code))
     assert len(drawn) == 4
     assert set(displays()["MarkerArray"]["Namespaces"]) == drawn
     assert set(FOXGLOVE["configById"]["3D!body"]["topics"]["/markers"]["namespaces"]) == drawn

@@ -7,6 +7,7 @@ import os
 import re
 import sys
 from dataclasses import replace
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -26,9 +27,10 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report import figures as of_pages
 from lie_rigid_body.report import html_page, write_report
 from lie_rigid_body.report.answer import Table, as_page
+from lie_rigid_body.report.drawing import of_axes
 from lie_rigid_body.report.html_page import badge, escaped, paragraph, table
 from lie_rigid_body.report.overview import Verdict, page_of_verdicts
-from lie_rigid_body.report.recorded_motion import extremes, path, recorded_segments
+from lie_rigid_body.report.recorded_motion import ResidualsOverTime, extremes, path, recorded_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, SimulationStep
 from sampled import sampled
@@ -54,10 +56,30 @@ def report(bag: Path) -> Path:
     return out
 
 
-def figures(text: str) -> dict[str, Any]:
-    """The figures of a page by their headings."""
-    figure = r'<h3>([^<]*)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>'
-    return {heading: json.loads(content) for heading, content in re.findall(figure, text, re.DOTALL)}
+def film(text: str) -> dict[str, Any]:
+    """What plotly.js draws on a page."""
+    [content] = re.findall(r'<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    return dict(json.loads(content))
+
+
+def headings(text: str) -> set[str]:
+    """Headings of the figures of a page."""
+    return set(re.findall("<h3>([^<]*)</h3>", text))
+
+
+def drawn_of(law: str, path: Path) -> Any:
+    """Axes of the residuals of a law of a bag."""
+    residuals = ResidualsOverTime()
+    certificate = certify(read_bag(path), watch=residuals)
+    pieces = recorded_segments(read_bag(path))
+    series = residuals.series(law, int(pieces[0].stamps_ns[0]))
+    [of_law] = [each for each in certificate.laws if each.name == law]
+    return of_axes(partial(of_pages.draw_law, law=of_law, series=series, pieces=pieces)).axes[0]
+
+
+def curves_of(axes: Any) -> dict[str, Any]:
+    """Curves of axes by their labels."""
+    return {line.get_label(): line for line in axes.get_lines()}
 
 
 def test_one_file_holds_everything(report: Path) -> None:
@@ -67,15 +89,13 @@ def test_one_file_holds_everything(report: Path) -> None:
     assert report.stat().st_size <= LARGEST
     for wanted in ("CERTIFIED", "attitude", "&quot;inertia&quot;", "default-src 'none'"):
         assert wanted in text
-    drawn = figures(text)
-    assert {"The body", "Body rate", "Herpolhode", "kinetic energy", "world momentum"} <= drawn.keys()
-    assert "<h3>Polhode</h3><svg" in text
+    assert {"The body", "Polhode", "Herpolhode", "kinetic energy", "world momentum"} <= headings(text)
     own = text[: text.index("plotly.js v")]
     assert "<img" not in own
-    assert own.count("</script>") == len(drawn)
-    for content in drawn.values():
-        content.pop("film", None)
-        Figure(content)  # which refuses what plotly.js does not know
+    assert own.count("</script>") == 1
+    assert own.count("<svg") > 5
+    content = film(text)
+    Figure({name: content[name] for name in ("data", "layout")})  # which refuses what plotly.js does not know
 
 
 def test_what_controls_a_terminal_or_the_direction_of_a_line_stands_as_an_escape() -> None:
@@ -83,7 +103,7 @@ def test_what_controls_a_terminal_or_the_direction_of_a_line_stands_as_an_escape
     parts = [paragraph(text), badge(text, passed=True), table((text,), [((text,), True)]), escaped(text)]
     assert all("\\x1b[2J\\u202eabc&lt;b&gt;\\x00" in part for part in parts)
     assert escaped("two\nlines") == "two\nlines"
-    titled = html_page.document(f"{text} {os.fsdecode(bytes([255]))}.mcap", [], with_figures=False).decode()
+    titled = html_page.document(f"{text} {os.fsdecode(bytes([255]))}.mcap", [], with_film=False).decode()
     assert "&lt;b&gt;\\x00 \\udcff.mcap</h1>" in titled
     assert not any(character in titled for character in "\x1b\u202e")
     assert "script-src 'none'" in titled
@@ -112,7 +132,7 @@ def test_a_browser_opens_plays_and_turns_it(bag: Path, report: Path, tmp_path: P
         assert browser.evaluate(eye) != before
         press(browser, "document.querySelector('button')")
         assert browser.evaluate("document.querySelector('button').textContent") == "▶ play"
-        assert browser.evaluate("document.querySelectorAll('.main-svg').length") > 8
+        assert browser.evaluate("document.querySelectorAll('figure > svg').length") > 5
         assert bag.name in browser.evaluate("document.title")
         assert browser.requests == [report.resolve().as_uri()[:100]]
         # plotly.js reads back text of the 3-D scene, and the page its pictures; to say so is the browser's way
@@ -177,7 +197,7 @@ def test_a_broken_bag_says_so(tmp_path: Path) -> None:
     assert main([str(bag), "--report", str(out)]) == 1
     text = out.read_text(encoding="utf-8")
     assert '"badge broken"' in text
-    assert "broken" in [trace["name"] for trace in figures(text)["attitude"]["data"]]
+    assert len(curves_of(drawn_of("attitude", bag))["broken"].get_xdata()) > 40
 
 
 @pytest.mark.filterwarnings("error")
@@ -222,17 +242,17 @@ def piece(bag: Path) -> Any:
 
 def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
     """The sides of the drawn box keep their lengths, and its principal axes are those of the recorded attitudes."""
-    film: Any = of_pages.body(piece)
-    content = film[0]
+    played: Any = of_pages.body(piece)
+    content, labels, _ = played
     pictures, body = content["film"]["pictures"], piece.segment.scenario.body()
     assert 100 < len(pictures) <= of_pages.FRAMES
-    assert len(content["film"]["times"]) == len(pictures)
+    assert len(labels) == len(pictures)
     for k in (0, len(pictures) // 2, len(pictures) - 1):
         corners = np.stack([pictures[k][name][0] for name in "xyz"], axis=-1)
         sides = [corners[place] - corners[0] for place in (4, 2, 1)]
         lengths = [float(np.linalg.norm(side)) for side in sides]
         assert max(lengths) == pytest.approx(1.0, abs=2e-3)
-        at = int(np.searchsorted(piece.stamps_ns, round(float(content["film"]["times"][k].split()[0]) * 1e9)))
+        at = int(np.searchsorted(piece.stamps_ns, round(float(labels[k].split()[0]) * 1e9)))
         x, y, z, w = piece.states.attitude_xyzw[at]
         first = body.principal_axes[:, 0]
         turned = first + 2.0 * np.cross([x, y, z], np.cross([x, y, z], first) + w * first)
@@ -245,23 +265,18 @@ def test_the_herpolhode_lies_where_it_must(piece: Any) -> None:
     # ω · L = 2 H fixes the part along the momentum, so |ω| gives the distance from it
     along = 2.0 * body.kinetic_energy(start) / np.linalg.norm(body.angular_momentum(start))
     rates = np.linalg.norm(path(piece, 3000).body_rate, axis=1)
-    np.testing.assert_allclose(
-        np.hypot(drawn["data"][0]["x"], drawn["data"][0]["y"]), np.sqrt(rates**2 - along**2), atol=1e-4
-    )
+    np.testing.assert_allclose(np.hypot(*drawn.T), np.sqrt(rates**2 - along**2), atol=1e-12)
 
 
 def test_a_kicked_and_carried_body_has_a_position_and_a_momentum_of_each_arc(tmp_path: Path) -> None:
     kicks = {"initial_body_rate": [0, 0, 0], "kicks": [0.5, 0.3, 1.0, 0.2, 1.5, 0.0, 0.0, 0.0, 2.0, 0.0, 2.0, 0.0]}
     given: dict[str, Any] = {**kicks, "translation": "thrown", "initial_velocity": [1.0, 0.0, 2.0]}
     bag = write_bag(tmp_path / "kicked.mcap", **given)
-    [piece] = recorded_segments(read_bag(bag))
     assert main([str(bag), "--report", str(tmp_path / "out.html")]) == 0
-    drawn = figures((tmp_path / "out.html").read_text(encoding="utf-8"))
-    assert drawn["Position"]["data"][2]["y"] == pytest.approx(piece.position[:, 2], abs=1e-3)
-    film = drawn["The body"]["film"]
-    momenta = np.array([[picture[name][5][1] for name in "xyz"] for picture in film["pictures"]])
+    content = film((tmp_path / "out.html").read_text(encoding="utf-8"))
+    momenta = np.array([[picture[name][5][1] for name in "xyz"] for picture in content["film"]["pictures"]])
     sizes = np.linalg.norm(momenta, axis=1)
-    seconds = np.array([float(label.split()[0]) for label in film["times"]])
+    seconds = np.array([float(label.split()[0]) for label in content["times"]])
     largest = np.linalg.norm([0.0, 4.0, 0.0])
     for begin, end, size in ((0.0, 0.5, 0.0), (0.5, 1.5, np.linalg.norm([0.3, 2.0, 0.6])), (1.5, 2.0, 0.0)):
         inside = (seconds > begin + 0.02) & (seconds < end - 0.02)
@@ -287,9 +302,11 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
     text = page_of_verdicts("Bags", [Verdict(bag.name, None, good), Verdict("<b>poor", None, poor)]).decode()
     assert re.search(r">NOT CERTIFIED: of 2 bags 1 ", text)
     assert "<b>poor" not in text
-    drawn = figures(text)["attitude [rad]"]["data"]
-    assert len({trace["name"] for trace in drawn[:2]}) == 2
-    assert [len(trace["y"]) for trace in drawn[:2]] == [2, 1]
+    assert "attitude [rad]" in headings(text)
+    assert "plotly" not in text
+    pairs = np.array([each.residuals["attitude [rad]"] for each in (good, poor)])
+    drawn = of_axes(partial(of_pages.draw_distribution, pairs=pairs, whose="bags")).axes[0]
+    assert [len(line.get_ydata()) for line in curves_of(drawn).values()] == [2, 1]
     assert f"{good.attitude_accuracy:.2g}" in text
     assert f"<li>&lt;b&gt;poor: {escape(poor.messages[0])}</li>" in text
     [cells] = re.findall(r"<tr class=broken><td>BROKEN</td><td>50</td><td>(.*?)</td><td>&lt;b&gt;poor</td></tr>", text)
@@ -307,8 +324,7 @@ def test_a_broken_reading_is_drawn_over_time(number: float, tmp_path: Path) -> N
     spun = at(20, lambda message: with_numbers(message, 24, lambda x: np.append(number, x[1:])))
     assert main([str(tamper(whole, bag, on("/imu/data_raw", spun))), "--report", str(out)]) == 1
     assert out.stat().st_size <= LARGEST
-    red = next(trace for trace in figures(out.read_text(encoding="utf-8"))["gyro"]["data"] if trace["name"] == "broken")
-    assert red["x"] == pytest.approx([0.4], abs=0.01)
+    assert curves_of(drawn_of("gyro", bag))["broken"].get_xdata() == pytest.approx([0.4], abs=0.01)
 
 
 @pytest.mark.usefixtures("asked_here")

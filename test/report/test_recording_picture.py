@@ -22,7 +22,6 @@ from lie_rigid_body.report.recorded_motion import (
     MANY_SAMPLES,
     MAX_PIECES,
     Ellipsoid,
-    LawOverTime,
     ResidualsOverTime,
     path,
     recorded_segments,
@@ -212,10 +211,10 @@ def test_no_peak_of_a_law_is_lost(block):
     stamps = 5_000_000_000 + rng.permutation(3000) * 7_000_000
     residuals, limits = rng.random(3000), 0.5 + rng.random(3000)
     residuals[1234] = np.nan
-    law = LawOverTime()
+    watch = ResidualsOverTime()
     for i in range(0, 3000, block):
-        law.add(residuals[i : i + block], limits[i : i + block], stamps[i : i + block])
-    t, largest, limit, broken = law.series(5_000_000_000)
+        watch("law", "", residuals[i : i + block], limits[i : i + block], stamps[i : i + block])
+    t, largest, limit, broken = watch.series("law", 5_000_000_000)
     assert len(t) <= MAX_PIECES * -(-3000 // block)
     assert (np.diff(t) >= 0.0).all()
     assert 0.0 <= t[0] <= t[-1] <= 21.0
@@ -252,7 +251,7 @@ def test_to_watch_changes_nothing_and_sees_the_worst(two_segments):
     assert set(watch.laws) == {law.name for law in certificate.segments[0].laws} - {"stamps"}
     for law in certificate.laws:
         if law.name in watch.laws:
-            t, largest, _, broken = watch.laws[law.name].series(0)
+            t, largest, _, broken = watch.series(law.name, 0)
             assert largest.max() == law.worst == max(s.law(law.name).worst for s in certificate.segments)
             assert not broken.any()
             assert 0.0 <= t[0] <= t[-1] <= 22.0

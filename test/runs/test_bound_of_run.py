@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import InputError
-from lie_rigid_body.evaluation.cramer_rao_bound import BiasNoise, VectorReadings, cramer_rao_bound
+from lie_rigid_body.evaluation.cramer_rao_bound import BiasNoise, NoisySensors, VectorReadings, cramer_rao_bound
 from lie_rigid_body.evaluation.score import BoundComparison
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report import scores, write_plot, write_report
@@ -49,13 +49,8 @@ def test_the_bound_is_that_of_the_declared_noise(run):
         VectorReadings(t_ns, up, number["accelerometer_noise_density"] * root, walk("accelerometer")),
         VectorReadings(t_ns[::2], field, number["magnetometer_noise_density"] * 5.0, BiasNoise(iron)),
     ]
-    wanted = cramer_rao_bound(
-        t_ns,
-        run.attitude().at(t_ns),
-        gyro_noise=number["gyro_noise_density"] * root,
-        gyro_bias=walk("gyro"),
-        vectors=vectors,
-    )
+    sensors = NoisySensors(number["gyro_noise_density"] * root, walk("gyro"), vectors)
+    wanted = cramer_rao_bound(t_ns, run.attitude().at(t_ns), sensors)
     unknown = run.cramer_rao_bound()
     found = unknown.calibrated
     np.testing.assert_array_equal(found.stamps_ns, t_ns)

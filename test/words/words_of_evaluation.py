@@ -22,7 +22,7 @@ from lie_rigid_body.evaluation import (
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
-from lie_rigid_body.evaluation.cramer_rao_bound import AttitudeReadings, VectorReadings, cramer_rao_bound
+from lie_rigid_body.evaluation.cramer_rao_bound import AttitudeReadings, NoisySensors, VectorReadings, cramer_rao_bound
 from lie_rigid_body.evaluation.differences import of_pairs, of_runs
 from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
 from lie_rigid_body.evaluation.remarks import DEGREE
@@ -101,7 +101,7 @@ def score(stamps=STAMPS, estimate=TRUE, **given):
 
 
 def bound(**given):
-    return cramer_rao_bound(TWO, Q[:2], **{"gyro_noise": 0.1, **given})
+    return cramer_rao_bound(TWO, Q[:2], NoisySensors(**{"gyro_noise": 0.1, **given}))
 
 
 class Judge:

@@ -135,39 +135,42 @@ class Markers(Periodic):
         # a box along the principal axes, m: an inertia alone does not determine the size of a body
         axes = quaternion.from_matrix(self._body.principal_axes)
         sides = box_sides(self._body.principal_moments)
-        body = self._marker(
-            0,
-            "body",
-            Marker.CUBE,
-            stamp_ns,
-            BODY_COLOUR,
-            pose=Pose(position=centre, orientation=_message(Quaternion, quaternion.multiply(attitude, axes))),
-            scale=_message(Vector3, sides),
+        markers: tuple[tuple[str, int, ColorRGBA, dict[str, Any]], ...] = (
+            (
+                "body",
+                Marker.CUBE,
+                BODY_COLOUR,
+                {
+                    "pose": Pose(
+                        position=centre, orientation=_message(Quaternion, quaternion.multiply(attitude, axes))
+                    ),
+                    "scale": _message(Vector3, sides),
+                },
+            ),
+            ("momentum", Marker.ARROW, MOMENTUM_COLOUR, _arrow(position, position + momentum)),
+            ("angular velocity", Marker.ARROW, RATE_COLOUR, _arrow(position, position + rate)),
+            (
+                "polhode",
+                Marker.LINE_STRIP,
+                POLHODE_COLOUR,
+                {
+                    "pose": Pose(position=centre, orientation=_message(Quaternion, attitude)),
+                    "scale": Vector3(x=0.01),
+                    "points": [_message(Point, point) for point in self._trail],
+                },
+            ),
         )
-        polhode = self._marker(
-            3,
-            "polhode",
-            Marker.LINE_STRIP,
-            stamp_ns,
-            POLHODE_COLOUR,
-            pose=Pose(position=centre, orientation=_message(Quaternion, attitude)),
-            scale=Vector3(x=0.01),
-            points=[_message(Point, point) for point in self._trail],
-        )
-        arrows = (
-            self._arrow(1, "momentum", stamp_ns, MOMENTUM_COLOUR, [position, position + momentum]),
-            self._arrow(2, "angular velocity", stamp_ns, RATE_COLOUR, [position, position + rate]),
-        )
-        return MarkerArray(markers=[body, *arrows, polhode])
-
-    def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, ends: list[Array]) -> Marker:
-        points = [_message(Point, end) for end in ends]
-        widths = Vector3(x=0.03, y=0.06, z=0.1)
-        return self._marker(number, name, Marker.ARROW, stamp_ns, color, points=points, scale=widths)
-
-    def _marker(self, number: int, name: str, kind: int, stamp_ns: int, color: ColorRGBA, **fields: Any) -> Marker:
         header = Header(frame_id=self._frame, stamp=Time(sec=stamp_ns // NS, nanosec=stamp_ns % NS))
-        return Marker(header=header, ns=name, id=number, type=kind, action=Marker.ADD, color=color, **fields)
+        return MarkerArray(
+            markers=[
+                Marker(header=header, ns=name, id=number, type=kind, action=Marker.ADD, color=colour, **fields)
+                for number, (name, kind, colour, fields) in enumerate(markers)
+            ]
+        )
+
+
+def _arrow(*ends: Array) -> dict[str, Any]:
+    return {"points": [_message(Point, end) for end in ends], "scale": Vector3(x=0.03, y=0.06, z=0.1)}
 
 
 def _scale(vectors: Array) -> float:
