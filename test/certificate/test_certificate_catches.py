@@ -93,8 +93,6 @@ def test_a_beginning_that_is_declared_away_in_every_field(bag, tmp_path, recorde
 
 def test_a_scenario_logged_at_another_time(bag, tmp_path):
     """Log times are a law of a bag of this package, whatever they are; those of a recorder are said not to be."""
-    with pytest.raises(BagError):
-        certificate(bag, tmp_path, on(SCENARIO, at(0, lambda m: m._replace(log_time=2**64 - 1))))
     later = on(SCENARIO, at(0, lambda m: m._replace(log_time=m.log_time + 1)))
     foreign = tamper(bag, tmp_path / "later.mcap", later)
     found = certify(read_bag(foreign))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from lie_rigid_body.foundation.errors import BagError, InputError
 from said import refusals
 
-NOT_OURS = "is not the JSON that lie_rigid_body writes: "
-NESTED = f"{NOT_OURS}it is nested too deeply"
+NOT_OURS = "is not the JSON that lie_rigid_body writes"
 FAULTS = {
     "no topic": "x.mcap has {scenario} and no topic {topic}: record it as well",
     "no message": "x.mcap has no message on {topic}: record it while the body is published",
