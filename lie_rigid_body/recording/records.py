@@ -61,6 +61,8 @@ _TOGETHER: Final[dict[tuple[int, int], int]] = {
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
 }
 """Reach in bytes, by kinds of records: records of these kinds within it are read together with the first."""
+MAX_DEFINITIONS: Final = 2 * 2**16
+"""Largest number of schemas and channels of a chunk: each has a number of 16 bits."""
 _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _KINDS: Final[dict[int, type[McapRecord]]] = {
@@ -204,10 +206,15 @@ def parsed(opcode: int, content: bytes) -> Any:
     kind: Any = _KINDS.get(opcode)
     if kind is None:
         return None
+    name = kind.__name__.lower()
     try:
-        return kind.read(ReadDataStream(BytesIO(content)))
+        record = kind.read(ReadDataStream(BytesIO(content)))
     except UNREADABLE:
-        raise DamageError(f"a record that is no {kind.__name__.lower()}") from None
+        raise DamageError(f"a record that is no {name}") from None
+    # the library takes the end of the content for that of a field; data of a chunk have a size of their own
+    is_whole = kind in (Chunk, Attachment) or content.startswith(record_bytes(record)[RECORD_HEAD.size :])
+    require(is_whole, f"the fields of a {name} have other lengths than they say")
+    return record
 
 
 def record_bytes(*records: McapRecord) -> bytes:
@@ -317,6 +324,7 @@ def find_messages(data: bytes, hints: Integers = NO_HINTS) -> MessageTable:
                 require(place.end - place.start >= HEAD.itemsize, "a message record is too short")
                 starts.append(place.start)
             elif place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                require(len(definitions) < MAX_DEFINITIONS, f"a chunk of over {MAX_DEFINITIONS} definitions")
                 definitions.append(place)
         if position != behind[gap] and len(hinted.starts):
             return find_messages(data)

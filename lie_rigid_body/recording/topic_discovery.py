@@ -284,6 +284,9 @@ def _body(
     if silent and fault is None:
         remedy = _remedy(path, "record it while the body is published")
         fault = BagError(f"{path} has no message on {silent[0]}: {remedy}")
+    unknown = listed(sorted(names.keys() - topic_types().keys()))
+    if unknown and fault is None:
+        fault = BagError(f"{path}: {tracks[SCENARIO].topic} names topics that no body has, {unknown}: restore the bag")
     if fault is not None and alone:
         raise fault
     told = _tracks(contents, {name: names[name] for name in names.keys() & SENSOR_TOPICS.keys()})

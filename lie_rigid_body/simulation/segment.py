@@ -144,7 +144,7 @@ class Segment:
             If the text is not such a message, or its ``start_ns`` is not the stamp of its ``first_sample``.
         """
         try:
-            content = json.loads(text)
+            content = json.loads(text, object_pairs_hook=_without_repeats)
             first = content.pop("first_sample")
             start = content.pop("start_ns")
         except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
@@ -173,6 +173,14 @@ class Segment:
 def _scenario(parameters: str) -> Scenario:
     """Read a scenario from a JSON object. The last one is kept: most resets repeat it, and to read it takes long."""
     return Scenario.from_parameters(json.loads(parameters))
+
+
+def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """Make an object of names and values, and refuse a name given twice: some readers would take its first value."""
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        raise ValueError("a name is given twice")
+    return content
 
 
 class Arrivals:

@@ -176,6 +176,10 @@ FORGERIES: dict[tuple[str, str], tuple[Change, set[str]]] = {
     ("scenario", "epoch_ns"): (declared(epoch_ns=EPOCH + 10_000_000), REFUSED),
     ("scenario", "first_sample"): (declared(first_sample=5), REFUSED),
     ("scenario", "start_ns"): (declared(start_ns=EPOCH + 125_000_000), REFUSED),
+    ("scenario", "a name twice"): (
+        one(SCENARIO, text(lambda told: told.replace("{", '{"rate": 9.0, ', 1)), 0),
+        REFUSED,
+    ),
     ("scenario", "an unknown name"): (declared(inertial=[1.0, 2.0, 3.0]), {"declaration"}),
     ("scenario", "the sensors' parameters"): (declared(sensor_seed=1), {"gyro", "accelerometer", "magnetometer"}),
     ("scenario", "those that no reading shows"): (declared(gyro_range=1e3), CERTIFIED),

@@ -110,7 +110,7 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes | Path], str]] = {
     "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), NOT_OURS),
     "an integer of 60 000 digits": (
         lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
-        "60001 characters",
+        NOT_OURS,
     ),
     "a rate of 1e308": (lambda d, n: with_value(d, "rate", 1e308), "rate"),
     "a body rate of 1e308": (lambda d, n: with_value(d, "initial_body_rate", [1e308, -1e308, 1e308]), "body_rate"),
