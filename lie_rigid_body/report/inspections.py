@@ -209,7 +209,7 @@ def _draw_field(axes: Axes, both: Array, i: int, j: int) -> None:
     """Draw components of readings of shape (2, N, 3), µT, and a circle of the size of the field."""
     radius = float(np.median(np.linalg.norm(both[1], axis=1)))
     circle = radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 200))
-    rows = slice(None, None, max(both.shape[1] // 3000, 1))
+    rows = slice(None, None, max(both.shape[1] // 1000, 1))
     axes.plot(circle.real, circle.imag, color=BLACK, lw=0.8, label="size of the field")
     for points, colour, label in zip(both[:, rows], (ORANGE, BLUE), ("before", "after"), strict=True):
         axes.plot(points[:, i], points[:, j], ".", color=colour, ms=2, label=label)
