@@ -263,7 +263,8 @@ class SensorLaws:
                 laws.append(LawResult.of_faults("sensor stamps", clocks.early, what, clocks.early))
         if self._faults is not None:
             self._logged_otherwise += self._faults.log_time_mismatches
-            laws.append(self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns, self._horizon_ns))
+            if not self._faults.is_too_long(self._horizon_ns):
+                laws.append(self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns, self._horizon_ns))
         return tuple(laws)
 
     @property
@@ -285,7 +286,9 @@ class SensorLaws:
         faults = self._faults
         if early and not self._own:
             yield f"readings before the first scenario's start: {early}"
-        if faults is not None and not self._own:
+        if faults is not None and faults.is_too_long(self._horizon_ns):
+            yield f"{self._full_name(FAULTS_TOPIC)}: too many readings to compute the faults of all"
+        elif faults is not None and not self._own:
             if faults.early:
                 yield f"faults before the first scenario's start: {faults.early}"
             if faults.repeated:

@@ -20,6 +20,10 @@ from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.loop import FaultLog
 
 FAULT_LAW: Final = "faults"
+MAX_SEARCHED: Final = 200_000_000
+"""Largest number of readings that are searched for faults."""
+_EPISODES_PER_SECOND: Final = 1000
+"""Largest number of episodes a second of one kind of fault."""
 _DRAWN: Final = ("temperature_drift", "magnetic_disturbance")
 """Kinds of faults whose sizes are made of normal deviates, which differ in last bits between libraries."""
 _AT_ONCE: Final = 8192
@@ -88,6 +92,16 @@ class FaultLaw:
         self._wrong[what] = count + more, first
         self._worst = self._worst or (message, begin_ns)
 
+    def is_too_long(self, until_ns: int) -> bool:
+        """Whether to search all readings until a time, ns, takes too long."""
+        ends = [*(segment.start_ns for segment in self._segments[1:]), until_ns]
+        searched = sum(
+            (end - each.start_ns) * max(_EPISODES_PER_SECOND, *(one.rate for one in each.scenario.sensors.on.values()))
+            for each, end in zip(self._segments, ends, strict=True)
+            if each.scenario.sensors.has_faults
+        )
+        return searched > MAX_SEARCHED * NS
+
     def result(self, topic: str, until_ns: int, horizon_ns: int) -> LawResult:
         """Result of the law.
 
@@ -99,7 +113,7 @@ class FaultLaw:
         horizon_ns : int
             Latest time of an honest message, ns.
         """
-        missing = self._missing(self._expected(horizon_ns), until_ns)
+        missing = self._missing(self._expected(min(max(until_ns, self._last_ns), horizon_ns)), until_ns)
         for key, (message, _) in self._told.items():
             where = f"message {message} ({_in_words(key)})"
             self._note("of which the scenario makes none", where, key.begin_ns, message)
