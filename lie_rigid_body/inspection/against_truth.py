@@ -69,7 +69,7 @@ class _Steps(NamedTuple):
     truth: Truth
 
     def true_rotations(self, late_s: float) -> tuple[Array, Booleans]:
-        """Rotations of the truth's body, NaN where it is unknown, at some delay of its clock."""
+        """Rotations of the truth's body at some delay of its clock, and where the truth is known."""
         stamps = self.ends_ns + round(late_s * NS)
         known = self.truth.covers(stamps).all(axis=0)
         inside = np.clip(stamps, self.truth.first_ns, self.truth.last_ns)

@@ -15,6 +15,7 @@ from lie_rigid_body.inspection import Estimated, Inspection
 from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.inspection.noise import allan, density
+from lie_rigid_body.inspection.rule import SI
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
@@ -32,7 +33,6 @@ _SHADES: Final = {
 _BROKEN: Final = (RED, 0.25, "broken stamps, or a gap")
 """Shades of stretches of time by the texts of their marks, and that of others: colour, opacity and label."""
 _HOW: Final = f": {HOW}"
-_UNITS: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "magnetometer": "T"}
 _HEADINGS: Final = ("mistake", "sensor", "repair", "misfit before", "after", "or else")
 _SHOWN: Final = {
     "imu": ("rate",),
@@ -137,12 +137,12 @@ def csv_of(run: Run) -> bytes:
 
 def _curves(found: Inspection) -> Iterator[str]:
     """The readings over time, the rest, the stretch that was compared, and what is broken."""
-    given = [(sensor, *_readings(found, found.run, sensor)) for sensor in _UNITS]
+    given = [(sensor, *_readings(found, found.run, sensor)) for sensor in SI]
     there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
     begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
     for sensor, key, t_ns, readings in there:
         codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
-        unit = "?" if f"{sensor}_units" in codes else _UNITS[sensor]
+        unit = "?" if f"{sensor}_units" in codes else SI[sensor]
         marks = [mark for mark in found.marks if mark.sensor in (sensor, key, "")]
         draw = partial(_draw_readings, t_ns=t_ns, readings=readings, marks=marks, begin_ns=begin_ns, unit=unit)
         yield html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
@@ -173,7 +173,7 @@ def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, 
 
 def _allan_deviations(found: Inspection) -> Iterator[str]:
     """The Allan deviation of each sensor at rest, with the fit of white noise and a random walk."""
-    told = [sensor for sensor in _UNITS if f"{sensor}_noise_density" in found.sensors]
+    told = [sensor for sensor in SI if f"{sensor}_noise_density" in found.sensors]
     for sensor in told:
         yield html_page.plane(f"Allan deviation of the {sensor}", partial(_draw_allan, found=found, sensor=sensor))
 
@@ -187,7 +187,7 @@ def _draw_allan(axes: Axes, found: Inspection, sensor: str) -> None:
     axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
     model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
     axes.loglog(measured.tau_s, model, color=ORANGE, label="white noise and random walk")
-    axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{_UNITS[sensor]}]")
+    axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{SI[sensor]}]")
     axes.xaxis.set_minor_formatter("")
 
 
