@@ -1,9 +1,9 @@
 """The league of attitude filters: ``make league``.
 
-Every filter of ``league/filters`` runs over every case of ``config/league``, at its library's defaults and at the best
-of the grid that its file declares. Settings are chosen on runs with other noise than those that are scored.
+Every filter of ``league/filters`` runs over every case of the league, at its library's defaults. The best point of the
+grid that its file declares is chosen on other cases and seeds, and is advised where it is shown to be better.
 
-    make league                   prints the table, half an hour on two cores
+    make league                   prints the table, some 70 minutes on two cores; results are kept, so it may be stopped
     make league ARGS=--save       also writes docs/reference/league.md, picture, and rows of the verb league
 """
 
@@ -15,9 +15,9 @@ import os
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from league import page
+from league import page, recordings
 from league.contender import filters, missing
 from league.tournament import play
 from lie_rigid_body.league.table import EDITION, REFERENCE, reference
@@ -33,17 +33,34 @@ def main() -> None:
     print(", ".join(f"{name} {version(name)}" for name in sorted({each.library for each in filters()})), flush=True)
     for module in missing():
         print(f"{module} is left out: its library is not installed", flush=True)
-    defaults, best, bounds = play(len(os.sched_getaffinity(0)))
-    rows, table = page.ranking(defaults, best), page.reference(defaults, best, bounds)
-    print(page.table(rows, bounds), page.advice(rows), sep="\n\n")
-    print("\n".join(page.change(reference(), table)) or f"The reference set {EDITION} is made again: nothing changed.")
+    entries, hashes, bounds = play(len(os.sched_getaffinity(0)))
+    league, real = page.reference(entries, hashes, bounds), recordings.medians()
+    parts = page.table(entries, league, real), page.advice(entries)
+    print(*parts, sep="\n\n")
+    if not REFERENCE.exists():
+        print(f"The reference set {EDITION} is made for the first time.")
+    elif lines := page.change(reference(), league):
+        print("\n".join(lines))
+    else:
+        print(f"The reference set {EDITION} is made again: nothing changed.")
     if save:
-        page.heat_map(rows, bounds).savefig(ROOT / "docs" / "images" / "league.png")
-        REFERENCE.write_text(f"{json.dumps({'edition': EDITION, **asdict(table)}, indent=0)}\n", encoding="utf-8")
-        reference_page = ROOT / "docs" / "reference" / "league.md"
-        reference_page.write_text(
-            page.replaced(reference_page.read_text(encoding="utf-8"), rows, bounds), encoding="utf-8"
+        page.picture(league, real).savefig(ROOT / "docs" / "images" / "league.png")
+        REFERENCE.write_text(
+            f"{json.dumps({'edition': EDITION, **without_empty(league)}, indent=0)}\n", encoding="utf-8"
         )
+        reference_page = ROOT / "docs" / "reference" / "league.md"
+        reference_page.write_text(page.replaced(reference_page.read_text(encoding="utf-8"), *parts), encoding="utf-8")
+
+
+def without_empty(league: Any) -> dict[str, Any]:
+    """The fields of a table, without those of its results that are empty."""
+    content = asdict(league)
+    for row in content["rows"]:
+        row["results"] = {
+            case: {name: value for name, value in result.items() if value not in (None, "")}
+            for case, result in row["results"].items()
+        }
+    return content
 
 
 if __name__ == "__main__":

@@ -1,199 +1,202 @@
-"""Does a simulated world rank filters as real recordings do?  ``python benchmarks/reality.py --data FOLDER``.
+"""Does the league rank filters as real recordings do?  ``python benchmarks/reality.py --data FOLDER``.
 
-Every filter of the league runs at its defaults over real recordings with optical truth, and over simulated minutes of
-a body that is kicked, carried and at times at rest. Printed is the median total RMS of each, Kendall's τ of the two
-orders with its 95 % interval by the bootstrap over recordings and minutes, and for each filter the ratio of the real
-error to the simulated one. ``--motions`` prints how fast the recordings turn and how much they are accelerated.
+Every filter of the league runs over real recordings with optical truth, at its library's defaults and with the settings
+that the league advises for MEMS sensors. Printed are its median total RMS while the body moves, the league's overall
+error and their ratio; Kendall's τ-b of the two orders with its 95 % interval by the bootstrap over recordings, over all
+filters and over those of `TRIAL`, also with errors within 5 % as ties; how well half of the recordings agrees with the
+other half; and each advised setting beside the defaults. ``--motions`` prints how the recordings move.
 
-A recording is an npz file with ``gyro`` (rad/s), ``specific_force`` (m/s²), ``magnetic_field`` (µT), ``attitude_wxyz``
-(IMU to east-north-up, NaN where unknown), ``movement`` (where errors count) and a rate of 285.7 Hz, as the data set
-BROAD (D. Laidig et al., Data 6(7):72, 2021) is published. Its world is magnetic east-north-up.
-
-Measured on ten of its recordings: τ = 0.84 (0.62 to 0.93) for fourteen filters of vqf, imufusion and ahrs, and 0.78
-(0.64 to 0.92) for all 23, most of which have no memory. Real errors are 1.2 to 2 times as large as the simulated ones.
-Those of Mahony and Fourati, which follow the accelerometer fast, are 5.5 times as large.
+FOLDER has files of the data set BROAD (D. Laidig et al., Data 6(7):72, 2021) as published, mat or hdf5, or npz files
+with ``gyro`` (rad/s), ``specific_force`` (m/s²), ``magnetic_field`` (µT), ``attitude_wxyz`` (IMU to east-north-up, NaN
+where unknown) and ``movement`` (where errors count), at 285.7 Hz. The world is magnetic east-north-up.
 """
 
 from __future__ import annotations
 
 import argparse
-import io
+import json
+import os
 from collections.abc import Iterator, Sequence
-from contextlib import redirect_stdout
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor
+from functools import lru_cache, partial
+from itertools import combinations
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
-from scipy.spatial.transform import Rotation
 from scipy.stats import kendalltau
 
-from league.contender import Filter, Setting, filters
-from league.readings import Readings
-from lie_rigid_body import simulate
+from league import recordings
+from league.contender import Setting, filters
+from league.kept import each, key_of
+from league.page import TUNED
+from lie_rigid_body.league.table import FilterRow, reference
 
 Array = NDArray[np.float64]
 
-BROAD_HZ: Final = 2000.0 / 7.0
-TOGETHER: Final = 3
-"""Samples of a recording that are averaged: to 95 Hz, which changes no filter's place."""
-RATE_HZ: Final = BROAD_HZ / TOGETHER
-SETTLED_S: Final = 20.0
-"""Time in which a filter may converge in a simulated minute, s; recordings begin with a rest that does not count."""
-MINUTES: Final = 20
-REST_PROBABILITIES: Final = (0.0, 0.3, 0.5, 0.8)
+TRIAL: Final = (
+    *("vqf VQF", "vqf offlineVQF", "vqf BasicVQF", "imufusion Ahrs"),
+    *(f"ahrs {name}" for name in ("Madgwick", "EKF", "AQUA", "Mahony", "ROLEQ", "Fourati", "SAAM", "Tilt")),
+)
+"""Filters of the trial in which τ was first measured."""
+TIE: Final = 0.05
+"""Share of an error by which another may differ and count as the same."""
 RESAMPLES: Final = 1000
-SETTINGS: Final[dict[str, tuple[Setting, ...]]] = {
-    "vqf VQF": ({}, {"tauAcc": 0.5, "tauMag": 9.0, "biasClip": 2.0}),
-    "imufusion Ahrs": ({}, {"acceleration_rejection": 10.0}),
-}
-"""Settings that filters run with beside their defaults."""
-SENSORS: Final[dict[str, Any]] = {
-    "gyro_noise_density": np.radians(0.014),
-    "gyro_turn_on_bias": np.radians(0.3),
-    "gyro_scale_factor": [1.005, 0.995, 1.005],
-    "accelerometer_noise_density": 175e-6 * 9.80665,
-    "accelerometer_turn_on_bias": 0.05,
-    "magnetometer_noise_density": 0.3e-6 / np.sqrt(RATE_HZ),
-    "magnetometer_hard_iron": [0.5e-6, -0.5e-6, 0.5e-6],
-}
-"""Errors of the simulated sensors: those of a good MEMS unit after calibration."""
 
 
-@dataclass(frozen=True)
-class Trial:
-    """What filters are given, the true attitudes, and where errors count."""
+class Job(NamedTuple):
+    """A filter, by its number, with a setting over a recording, by its number."""
 
-    name: str
-    given: Readings
-    truth: Rotation
-    counted: NDArray[np.bool_]
+    number: int
+    setting: Setting
+    recording: int
 
 
-def recordings(folder: Path) -> Iterator[Trial]:
-    """The recordings of a folder, averaged."""
-    for path in sorted(folder.glob("*.npz")):
-        data = np.load(path)
-        count = len(data["gyro"]) // TOGETHER * TOGETHER
-        gyro, force, field = (
-            data[name][:count].astype(float).reshape(-1, TOGETHER, 3).mean(axis=1)
-            for name in ("gyro", "specific_force", "magnetic_field")
-        )
-        attitude = data["attitude_wxyz"][TOGETHER // 2 : count : TOGETHER][:, [1, 2, 3, 0]].astype(float)
-        known = np.isfinite(attitude).all(axis=1)
-        truth = Rotation.from_quat(np.where(known[:, np.newaxis], attitude, [0.0, 0.0, 0.0, 1.0]))
-        moves = data["movement"][TOGETHER // 2 : count : TOGETHER].astype(bool)
-        east, north, up = np.median(truth.apply(field)[known & ~moves], axis=0)
-        world = np.array([0.0, np.hypot(east, north), up])
-        t_ns = np.round(np.arange(len(gyro)) * 1e9 / RATE_HZ).astype(np.int64)
-        readings = Readings(t_ns, RATE_HZ, gyro, force, 1e-6 * field, 1e-6 * world)
-        yield Trial(path.stem, readings, truth, known & moves)
+@lru_cache
+def recorded(folder: Path) -> tuple[recordings.Recording, ...]:
+    """The recordings of a folder."""
+    return tuple(recordings.read(folder))
+
+
+def played(folder: Path, job: Job) -> float:
+    """Error of a filter on a recording, degrees."""
+    return recordings.error_deg(filters()[job.number], job.setting, recorded(folder)[job.recording])
 
 
 def motions(folder: Path) -> Iterator[str]:
     """How each recording moves where errors count: rates, rad/s, accelerations of an axis, m/s², and rests."""
-    for trial in recordings(folder):
-        rates = np.linalg.norm(trial.given.gyro[trial.counted], axis=1)
+    for trial in recordings.read(folder):
+        gyro = trial.given.gyro[trial.counted]
+        rates = np.linalg.norm(gyro, axis=1)
         accelerations = trial.truth[trial.counted].apply(trial.given.acc[trial.counted])
         accelerations -= accelerations.mean(axis=0)
-        frequency, power = welch(accelerations, RATE_HZ, nperseg=round(8.0 * RATE_HZ), axis=0)
+        frequency, power = welch(accelerations, recordings.RATE_HZ, nperseg=round(8.0 * recordings.RATE_HZ), axis=0)
         shares = np.cumsum(power.sum(axis=1)) / power.sum()
         low, high = frequency[np.searchsorted(shares, [0.1, 0.9])]
         middle, fast = np.quantile(rates, [0.5, 0.95])
+        field = trial.truth[trial.counted].apply(1e6 * trial.given.mag[trial.counted]).std(axis=0)
+        first = np.argmax(trial.counted) / recordings.RATE_HZ
         yield (
-            f"{trial.name:42} rate {middle:.2f}, 95 % below {fast:.1f} rad/s; at rest {np.mean(rates < 0.1):.0%}; "
-            f"acceleration {np.sqrt(np.mean(accelerations**2)):.2f} m/s² RMS, {low:.1f} to {high:.1f} Hz"
+            f"{trial.name:42} rests {first:.0f} s, then {np.mean(rates < 0.1):.0%}; rate {middle:.2f}, 95 % below "
+            f"{fast:.1f} rad/s, half correlated after {half_correlated_s(gyro):.2f} s; acceleration "
+            f"{np.sqrt(np.mean(accelerations**2)):.2f} m/s² RMS, {low:.1f} to {high:.1f} Hz; "
+            f"field {field.mean():.1f} µT"
         )
 
 
-def minutes() -> Iterator[Trial]:
-    """Simulated minutes: a body that turns freely between kicks, is carried, and rests at times."""
-    for seed in range(MINUTES):
-        draws = np.random.default_rng(seed)
-        times = np.cumsum(draws.uniform(1.0, 4.0, 60))
-        times = times[times < 60.0]
-        directions = draws.normal(size=(len(times), 3))
-        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-        fastest = draws.uniform(0.5, 3.0)
-        rates = directions * draws.uniform(0.2, 1.0, (len(times), 1)) * fastest
-        rates[draws.random(len(times)) < REST_PROBABILITIES[seed % len(REST_PROBABILITIES)]] = 0.0
-        run: Any = simulate(
-            duration=60.0,
-            rate=RATE_HZ,
-            imu_rate=RATE_HZ,
-            magnetometer_rate=RATE_HZ,
-            motion="closed_form",
-            gyro_rate="integrated",
-            magnetic_field=[0.0, 2e-5, -4.5e-5],
-            initial_body_rate=[0.0, 0.0, 0.0],
-            kicks=np.column_stack([times, rates]).ravel(),
-            translation="carried",
-            sway_acceleration=[draws.uniform(0.5, 3.0)] * 3,
-            sway_band=[0.3, 2.0],
-            sway_seed=seed,
-            sensor_seed=seed,
-            **SENSORS,
-        )
-        given = Readings.of(run)
-        yield Trial(f"minute {seed}", given, Rotation.from_quat(run.truth.attitude_xyzw), run.t_s >= SETTLED_S)
+def half_correlated_s(rates: Array) -> float:
+    """Time after which the autocorrelation of rates, shape (N, 3), falls to a half, s."""
+    rates = rates - rates.mean(axis=0)
+    spectrum = np.abs(np.fft.rfft(rates, 2 * len(rates), axis=0)) ** 2
+    correlation = np.fft.irfft(spectrum, axis=0).sum(axis=1)[: len(rates)]
+    return float(np.argmax(correlation < 0.5 * correlation[0]) / recordings.RATE_HZ)
 
 
-def error_deg(each: Filter, setting: Setting, trial: Trial) -> float:
-    """RMS of the total error where it counts, degrees; 180 where the filter gives no attitude in a tenth of it."""
-    np.random.seed(1)  # noqa: NPY002 - what filters draw from
-    try:
-        with redirect_stdout(io.StringIO()), np.errstate(all="ignore"):
-            found = each.estimate(trial.given, **setting).as_quat()
-    except (ValueError, np.linalg.LinAlgError):
-        return 180.0
-    counted = trial.counted & np.isfinite(found).all(axis=1)
-    if counted.sum() < 0.9 * trial.counted.sum():
-        return 180.0
-    angles = (Rotation.from_quat(found[counted]).inv() * trial.truth[counted]).magnitude()
-    return float(np.degrees(np.sqrt(np.mean(angles**2))))
+def agreement(real: Array, ours: Array, *, tie: float = 0.0) -> float:
+    """Kendall's τ-b of two orders; errors whose logarithms are within a tie count as the same."""
+    if not tie:
+        return float(kendalltau(real, ours)[0])
+    one, other = (np.sign(pairs) * (np.abs(pairs) > np.log1p(tie)) for pairs in map(log_ratios, (real, ours)))
+    return float(np.sum(one * other) / np.sqrt(np.sum(one**2) * np.sum(other**2)))
 
 
-def errors(playing: Sequence[tuple[Filter, Setting]], trials: Iterator[Trial]) -> Array:
-    """Errors of every filter in every trial, degrees."""
-    rows = []
-    for trial in trials:
-        rows.append([error_deg(each, setting, trial) for each, setting in playing])
-        print(f"{trial.name}: {np.median(rows[-1]):.3g}°", flush=True)
-    return np.array(rows).T
+def log_ratios(errors: Array) -> Array:
+    """Logarithms of the ratios of all pairs of errors."""
+    i, j = np.triu_indices(len(errors), 1)
+    return np.asarray(np.log(errors[i] / errors[j]))
+
+
+def split_half(table: Array) -> Array:
+    """τ-b of the medians over each half of the recordings with those over the other half, for every split."""
+    count = table.shape[1]
+    halves = [chosen for chosen in combinations(range(count), count // 2) if 0 in chosen or count % 2]
+    draws = np.random.default_rng(0)
+    halves = [halves[k] for k in draws.permutation(len(halves))[:RESAMPLES]]
+    return np.array(
+        [
+            kendalltau(
+                np.median(table[:, list(chosen)], axis=1),
+                np.median(np.delete(table, list(chosen), axis=1), axis=1),
+            )[0]
+            for chosen in halves
+        ]
+    )
+
+
+def compared(name: str, table: Array, ours: Array) -> str:
+    """How two orders agree: errors in each recording, shape (F, R), and the league's, shape (F,)."""
+    real = np.median(table, axis=1)
+    draws = np.random.default_rng(0)
+    resampled = [
+        agreement(np.median(table[:, draws.integers(table.shape[1], size=table.shape[1])], axis=1), ours)
+        for _ in range(RESAMPLES)
+    ]
+    low, high = np.quantile(resampled, [0.025, 0.975])
+    logs = np.corrcoef(np.log(real), np.log(ours))[0, 1]
+    return (
+        f"{name}: tau-b {agreement(real, ours):.2f} ({low:.2f} to {high:.2f}), with ties within 5 % "
+        f"{agreement(real, ours, tie=TIE):.2f}; half of the recordings against the other half "
+        f"{np.median(split_half(table)):.2f}; correlation of the logarithms {logs:.2f}"
+    )
 
 
 def main() -> None:
-    """Print both tables, τ with its interval, and the ratios."""
-    parser = argparse.ArgumentParser(description="Filters of the league over real recordings and simulated minutes.")
-    parser.add_argument("--data", type=Path, required=True, help="folder of npz files")
-    parser.add_argument("--filters", nargs="*", help="names of filters, such as 'vqf VQF'; by default all")
+    """Print the table, what agrees, and what is advised."""
+    parser = argparse.ArgumentParser(description="Filters of the league over real recordings.")
+    parser.add_argument("--data", type=Path, required=True, help="folder of mat, hdf5 or npz files")
     parser.add_argument("--motions", action="store_true", help="print how the recordings move, and run no filter")
+    parser.add_argument("--save", action="store_true", help="write the numbers of the page about the league")
     given = parser.parse_args()
     if given.motions:
         print("\n".join(motions(given.data)))
         return
-    named = [each for each in filters() if not given.filters or each.full_name in given.filters]
-    playing = [(each, setting) for each in named for setting in SETTINGS.get(each.full_name, ({},))]
-    real = errors(playing, recordings(given.data))
-    simulated = errors(playing, minutes())
-    medians = [np.median(table, axis=1) for table in (real, simulated)]
-    draws = np.random.default_rng(0)
-    resampled = [
-        kendalltau(*(np.median(t[:, draws.integers(t.shape[1], size=t.shape[1])], axis=1) for t in (real, simulated)))[
-            0
-        ]
-        for _ in range(RESAMPLES)
-    ]
-    for k in np.argsort(medians[0]):
-        ratio = medians[0][k] / medians[1][k]
-        name = " ".join([playing[k][0].full_name, *(f"{key}={value:g}" for key, value in playing[k][1].items())])
-        print(f"{name:48} {medians[0][k]:8.3g} {medians[1][k]:8.3g}  ratio {ratio:.2f}")
-    tau, p = kendalltau(*medians)
-    low, high = np.quantile(resampled, [0.025, 0.975])
-    logs = np.corrcoef(*np.log(medians))[0, 1]
-    print(f"tau {tau:.2f} ({low:.2f} to {high:.2f}), p {p:.1g}; correlation of the logarithms {logs:.2f}")
+    rows = {row.name: row for row in reference().rows}
+    playing: list[tuple[FilterRow, int, Setting]] = []
+    for number, one in enumerate(filters()):
+        playing.append((rows[one.full_name], number, {}))
+        tuned = rows.get(f"{one.full_name}, {TUNED}")
+        if tuned and "mems" in tuned.parameters:
+            playing.append((tuned, number, tuned.parameters["mems"]))
+    table = errors(given.data, [(number, setting) for _, number, setting in playing])
+    ours = np.array([row.overall_deg for row, _, _ in playing])
+    real = np.median(table, axis=1)
+    print(f"{'filter':48} {'real':>8} {'league':>8} {'ratio':>6}")
+    for k in np.argsort(real):
+        print(f"{playing[k][0].name:48} {real[k]:8.3g} {ours[k]:8.3g} {real[k] / ours[k]:6.2f}")
+    plain = np.array([not row.setting for row, _, _ in playing])
+    trial = plain & [row.filter in TRIAL for row, _, _ in playing]
+    for name, some in (
+        ("filters of the trial", trial),
+        ("all at the defaults", plain),
+        ("all rows", np.ones_like(plain)),
+    ):
+        print(compared(name, table[some], ours[some]))
+    by_name = {row.name: value for (row, _, _), value in zip(playing, real, strict=True)}
+    for row, _, setting in playing:
+        if row.setting:
+            print(f"{row.filter} {dict(setting)}: {by_name[row.name] / by_name[row.filter]:.2f} of the default error")
+    if given.save:
+        content: dict[str, Any] = {
+            "recordings": [recording.name for recording in recorded(given.data)],
+            "attribution": "D. Laidig, M. Caruso, A. Cereatti, T. Seel, BROAD, Data 6(7):72, 2021",
+            "licence": "CC BY 4.0",
+            "errors_deg": {
+                row.name: [float(f"{error:.4g}") for error in line]
+                for (row, _, _), line in zip(playing, table, strict=True)
+            },
+        }
+        recordings.NUMBERS.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def errors(folder: Path, playing: Sequence[tuple[int, Setting]]) -> Array:
+    """Errors of filters with settings on the recordings of a folder, degrees, shape (F, R)."""
+    jobs = [Job(*one, k) for k in range(len(recorded(folder))) for one in playing]
+    keys = [key_of(filters()[job.number], job.setting, recorded(folder)[job.recording].digest) for job in jobs]
+    with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        found = each(pool, partial(played, folder), jobs, keys, "recordings")
+    return np.reshape(found, (len(recorded(folder)), len(playing))).T
 
 
 if __name__ == "__main__":

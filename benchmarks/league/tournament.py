@@ -3,27 +3,38 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
-from typing import Any, Final
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Final, NamedTuple
 
 import numpy as np
-from tqdm import tqdm
 
 from league.contender import DEFAULTS, Filter, Setting, filters
+from league.kept import each, key_of
 from lie_rigid_body import Run
-from lie_rigid_body.league.cases import CASES, REAL, SEED, SETTLED_S, Case, run_of
+from lie_rigid_body.evaluation.differences import Difference, best_point, of_runs
+from lie_rigid_body.league.cases import CASES, FAULTY, GRADES, RANKED, SEEDS, SETTLED_S, Case, readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult
-from lie_rigid_body.sensors import PERFECT
 
-TUNING: Final = ("slow_tumble", "fast_tumble", "spin_z", "flips")
-"""Motions on which settings are chosen."""
-TUNED_AS: Final = {"perfect": "navigation"}
-"""Perfect sensors are read with the settings of the best real ones."""
-TUNING_SEEDS: Final = (1001, 1002)
-"""Noise of the runs on which settings are chosen: others than those that are scored."""
+TUNING_SEED: Final = 1001
+"""Seed of the cases on which settings are chosen."""
+TUNED_ON: Final = (("slow", False), ("fast", True))
+"""Speeds, and whether there are rests, of the cases on which settings are chosen."""
+TUNING: Final = tuple(
+    replace(case, seed=TUNING_SEED) for case in RANKED if case.seed == SEEDS[0] and (case.speed, case.rests) in TUNED_ON
+)
+UNSEEN: Final = tuple(case for case in RANKED if (case.speed, case.rests) not in TUNED_ON)
+"""Cases in which a chosen setting is compared with the defaults: other motions and other seeds."""
+
+
+class Job(NamedTuple):
+    """A filter, by its number, with a setting in a case."""
+
+    number: int
+    case: Case
+    setting: Setting
 
 
 @dataclass(frozen=True)
@@ -32,44 +43,59 @@ class Result:
 
     Attributes
     ----------
-    filter : str
-    case : Case
-    setting : mapping of str to float
     errors : CaseResult
     cost : float
-        CPU time of an update, µs.
-    trouble : str
-        The exception that it ended with, or the codes of findings about conventions, looked for with perfect sensors.
+        CPU time of an update, µs; NaN where it failed.
+    constant : str
+        What explains most of its error with perfect sensors.
     """
 
-    filter: str
-    case: Case
-    setting: Setting
     errors: CaseResult
-    cost: float = np.nan
-    trouble: str = ""
-
-    @property
-    def total(self) -> float:
-        """RMS of the total error, degrees."""
-        return self.errors.total_deg
+    cost: float
+    constant: str
 
 
-def score(number: int, case: Case, setting: Setting, seed: int = SEED) -> Result:
-    """Run one filter on one case."""
-    contender, answers, costs = filters()[number], [], []
+@dataclass(frozen=True)
+class Advice:
+    """A setting that is shown to be better than the defaults with sensors of a grade, and by how much."""
+
+    setting: Setting
+    difference: Difference
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A filter over all cases.
+
+    Attributes
+    ----------
+    filter : Filter
+    defaults : mapping of Case to Result
+        At the defaults of its library.
+    advice : mapping of str to Advice
+        By the grades of sensors for which there is one.
+    tuned : mapping of Case to Result
+        With the settings that are advised, and else at the defaults.
+    """
+
+    filter: Filter
+    defaults: Mapping[Case, Result]
+    advice: Mapping[str, Advice]
+    tuned: Mapping[Case, Result]
+
+
+def score(job: Job) -> dict[str, Any]:
+    """Run one filter on one case; the fields of its result."""
+    contender, costs = filters()[job.number], [np.nan]
 
     def estimate(run: Run) -> Any:
         begin = time.process_time()
-        answers.append(contender.of_run(run, **setting))
-        costs.append(1e6 * (time.process_time() - begin) / len(answers[0][0]))
-        return answers[0]
+        answer = contender.of_run(run, **job.setting)
+        costs.append(1e6 * (time.process_time() - begin) / len(answer[0]))
+        return answer
 
-    errors, trouble = play_case(estimate, case, seed), ""
-    if case.grade == PERFECT and not errors.failure:
-        t_ns, attitude = answers[0]
-        trouble = " ".join(each.code for each in run_of(case, seed).score(attitude, t_ns, after_s=SETTLED_S).findings)
-    return Result(contender.full_name, case, setting, errors, costs[0] if costs else np.nan, errors.failure or trouble)
+    errors, constant = play_case(estimate, job.case)
+    return asdict(Result(errors, costs[-1], constant.message if constant else ""))
 
 
 def bound(case: Case) -> float | None:
@@ -81,62 +107,79 @@ def bound(case: Case) -> float | None:
     return float(np.degrees(found.rms(found.filtered[late])))
 
 
-def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], list[Result], dict[str, float]]:
-    """All results at the defaults and at the chosen settings, in the order of filters and cases, and the bounds.
+def hash_of(case: Case) -> str:
+    """Hash of the readings of a case."""
+    return readings_hash(run_of(case))
 
-    Parameters
-    ----------
-    workers : int
-        Processes.
-    progress : bool, optional
-        Whether to show a bar; by default on a terminal.
-    """
-    everyone = filters()
+
+def play(workers: int) -> tuple[list[Entry], dict[Case, str], dict[str, float]]:
+    """Results at the defaults and at the settings that are advised, hashes of the readings, and the bounds."""
+    everyone = range(len(filters()))
+    tunable = [number for number in everyone if filters()[number].grid]
     with ProcessPoolExecutor(workers) as pool:
+        hashes = hashes_of(pool, (*CASES, *TUNING))
         bounds = {str(case): found for case, found in zip(CASES, pool.map(bound, CASES), strict=True) if found}
-        trials = [
-            (n, Case(motion, grade), setting, seed)
-            for grade in REAL
-            for motion in TUNING
-            for seed in TUNING_SEEDS
-            for n, each in enumerate(everyone)
-            for setting in each.settings()
-            if each.grid
+        defaults = results(pool, [Job(n, case, DEFAULTS) for case in CASES for n in everyone], hashes, "defaults")
+        points = [Job(n, case, point) for case in TUNING for n in tunable for point in filters()[n].settings()]
+        tried = results(pool, points, hashes, "settings")
+        chosen = {(n, grade): best_setting(n, grade, tried) for n in tunable for grade in GRADES}
+        jobs = [
+            Job(n, case, setting)
+            for case in (*RANKED, *FAULTY)
+            for (n, grade), setting in chosen.items()
+            if setting and case.grade == grade
         ]
-        chosen = _chosen(_scored(pool, trials, "settings", progress))
-        jobs = [(n, case, DEFAULTS, SEED) for case in CASES for n in range(len(everyone))]
-        defaults = _scored(pool, jobs, "defaults", progress)
-        settings = [
-            (n, case, chosen.get((everyone[n].full_name, TUNED_AS.get(case.grade, case.grade)), DEFAULTS), SEED)
-            for n, case, _, _ in jobs
-        ]
-        changed = [job for job in settings if job[2]]
-        tuned = {(result.filter, result.case): result for result in _scored(pool, changed, "tuned", progress)}
-    best = [tuned.get((result.filter, result.case), result) for result in defaults]
-    return defaults, best, bounds
+        tuned = results(pool, jobs, hashes, "chosen settings")
+    entries = [entry(n, chosen, {**defaults, **tuned}) for n in everyone]
+    return entries, hashes, bounds
 
 
-def _scored(
-    pool: ProcessPoolExecutor, jobs: Sequence[tuple[int, Case, Setting, int]], name: str, progress: bool | None
-) -> list[Result]:
-    results = pool.map(score, *zip(*jobs, strict=True), chunksize=4)
-    return list(tqdm(results, desc=name, total=len(jobs), disable=None if progress is None else not progress))
+def hashes_of(pool: Executor, cases: Sequence[Case]) -> dict[Case, str]:
+    """Hashes of the readings of some cases."""
+    return dict(zip(cases, pool.map(hash_of, cases), strict=True))
 
 
-def _chosen(trials: Iterable[Result]) -> dict[tuple[str, str], Setting]:
-    """By filter and grade the setting of the least geometric mean of errors; the defaults if none is better."""
-    errors: dict[tuple[str, str], dict[tuple[tuple[str, float], ...], float]] = {}
-    for result in trials:
-        sums = errors.setdefault((result.filter, result.case.grade), {})
-        key = tuple(result.setting.items())
-        sums[key] = sums.get(key, 0.0) + float(np.log(max(result.total, 1e-9)))
-    return {owner: dict(min(sums.items(), key=lambda item: item[1])[0]) for owner, sums in errors.items()}
+Results = Mapping[tuple[int, Case, tuple[tuple[str, float], ...]], Result]
+"""Results by the number of the filter, the case and the setting."""
 
 
-def by_filter(results: Iterable[Result]) -> Iterator[tuple[Filter, list[Result]]]:
-    """Each filter with its results."""
-    kept: dict[str, list[Result]] = {}
-    for result in results:
-        kept.setdefault(result.filter, []).append(result)
-    for each in filters():
-        yield each, kept[each.full_name]
+def results(pool: Executor, jobs: Sequence[Job], hashes: Mapping[Case, str], name: str) -> dict[Any, Result]:
+    """Results of some jobs, of which those that are kept are not made again."""
+    keys = [key_of(filters()[job.number], job.setting, hashes[job.case]) for job in jobs]
+    return {
+        (job.number, job.case, tuple(job.setting.items())): Result(
+            CaseResult(**found["errors"]), found["cost"], found["constant"]
+        )
+        for job, found in zip(jobs, each(pool, score, jobs, keys, name), strict=True)
+    }
+
+
+def totals(number: int, cases: Sequence[Case], setting: Setting, found: Results) -> np.ndarray:
+    """Errors of a filter with a setting in some cases, degrees; NaN where it failed."""
+    errors = [found[number, case, tuple(setting.items())].errors for case in cases]
+    return np.array([np.nan if each.failure else each.total_deg for each in errors])
+
+
+def best_setting(number: int, grade: str, tried: Results) -> Setting:
+    """The best point of a grid with sensors of a grade."""
+    points = [*filters()[number].settings()]
+    cases = [case for case in TUNING if case.grade == grade]
+    best, _ = best_point([totals(number, cases, point, tried) for point in points])
+    return points[best]
+
+
+def entry(number: int, chosen: Mapping[tuple[int, str], Setting], found: Results) -> Entry:
+    """A filter at the defaults and with the settings that are shown to be better, where there are."""
+    advice = {}
+    for grade in GRADES:
+        if setting := chosen.get((number, grade)):
+            cases = [case for case in UNSEEN if case.grade == grade]
+            difference = of_runs(*(totals(number, cases, each, found) for each in (setting, DEFAULTS)))
+            if difference.is_shown and difference.ratio < 1.0:
+                advice[grade] = Advice(setting, difference)
+    defaults = {case: found[number, case, ()] for case in CASES}
+    tuned = {
+        case: found[number, case, tuple(advice[case.grade].setting.items())] if case.grade in advice else result
+        for case, result in defaults.items()
+    }
+    return Entry(filters()[number], defaults, advice, tuned)

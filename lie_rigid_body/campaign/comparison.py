@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations
-from math import comb
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -13,7 +11,7 @@ import numpy as np
 from lie_rigid_body.campaign.definition import Campaign, EstimatorSpec
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Row, RunScore, errors_of
 from lie_rigid_body.evaluation.cramer_rao_bound import mean_square
-from lie_rigid_body.evaluation.differences import Difference, of_pairs
+from lie_rigid_body.evaluation.differences import Difference, best_point, geometric_mean, of_pairs
 from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS, EnsembleConsistency, ensemble_consistency
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -37,7 +35,7 @@ class Point:
     ----------
     parameters : dict of str to object
     mean_deg : float
-        Mean RMS of the total error, degrees; NaN if it failed in all.
+        Geometric mean of the RMS of the total error, degrees; NaN if it failed in all.
     failures : int
     reason : str
         What it failed of in the first run of these; '' if it did in none.
@@ -278,18 +276,12 @@ def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, .
     """The entry of an estimator, with a grid that of the best point, and all points."""
     if not entries[0].entry.grid:
         return entries[0], ()
-    points = []
     totals = [one.scored(0)[1][_TOTAL] for one in entries]
-    for one, total in zip(entries, totals, strict=True):
-        right = total[~np.isnan(total)]
-        mean = float(np.mean(right)) if len(right) else np.nan
-        points.append(Point(one.entry.parameters, mean, len(total) - len(right), one.reasons.get(0, "")))
-    best = min(range(len(points)), key=lambda at: (points[at].failures, np.nan_to_num(points[at].mean_deg, nan=np.inf)))
-    others = [at for at in range(len(points)) if at != best]
-    # chosen after a look at all errors, it is judged among all pairs
-    found = of_pairs([(totals[best], totals[at]) for at in others], comb(len(points), 2))
-    for at, difference in zip(others, found, strict=True):
-        points[at] = replace(points[at], difference=difference)
+    best, differences = best_point(totals)
+    points = [
+        Point(each.entry.parameters, geometric_mean(total), int(np.isnan(total).sum()), each.reasons.get(0, ""), ratio)
+        for each, total, ratio in zip(entries, totals, differences, strict=True)
+    ]
     return entries[best], tuple(points)
 
 

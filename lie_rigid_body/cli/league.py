@@ -61,7 +61,11 @@ def main(given: argparse.Namespace) -> int:
     return emit(
         {given.report: lambda: as_page(f"League of attitude filters {EDITION}", parts)},
         lambda: as_text(parts),
-        lambda: {"edition": EDITION, "rows": [row.to_json(table) for row in (own[:1] if estimate else table.rows)]},
+        lambda: {
+            "edition": EDITION,
+            "rows": [row.to_json(table) for row in (own[:1] if estimate else table.rows)],
+            "cases": [{"name": name, "hash": digest} for name, digest in table.readings.items()],
+        },
         as_json=given.json,
         overwrite=given.force,
     )

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from math import comb
 from typing import Final
 
 import numpy as np
@@ -148,6 +149,30 @@ def of_pairs(pairs: Sequence[tuple[ArrayLike, ArrayLike]], among: int = 0) -> li
         lost = np.isnan(errors).sum(axis=1).tolist()
         found.append(Difference(ratio, low, high, float(p), len(each), (lost[0], lost[1]), among))
     return found
+
+
+def best_point(errors: Sequence[Array]) -> tuple[int, list[Difference | None]]:
+    """Index of the best point of a grid, and the ratio of its error to that of each other one; None for itself.
+
+    The best one fails in the fewest runs, and then has the least geometric mean of the RMS errors. Chosen after a look
+    at all errors, it is judged among all pairs of points.
+
+    Parameters
+    ----------
+    errors : sequence of ndarray, shape (R,) each
+        RMS errors of the points in the same runs, degrees; NaN where there is no answer.
+    """
+    means = np.nan_to_num([geometric_mean(each) for each in errors], nan=np.inf)
+    best = min(range(len(errors)), key=lambda at: (np.isnan(errors[at]).sum(), means[at]))
+    others = [at for at in range(len(errors)) if at != best]
+    found = of_pairs([(errors[best], errors[at]) for at in others], comb(len(errors), 2))
+    return best, [None if at == best else found[others.index(at)] for at in range(len(errors))]
+
+
+def geometric_mean(errors: Array) -> float:
+    """Geometric mean of RMS errors, degrees, over the runs that have an answer; NaN where none has."""
+    right = errors[~np.isnan(errors)]
+    return float(np.exp(np.mean(np.log(np.maximum(right, MIN_ERROR_DEG))))) if len(right) else np.nan
 
 
 def _both(first: ArrayLike, second: ArrayLike) -> Array:

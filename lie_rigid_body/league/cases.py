@@ -1,22 +1,67 @@
-"""Cases of the league: motions, grades of sensors and faults, with fixed seeds, and what filters are given of them."""
+"""Cases of the league: bodies that are kicked, carried and at times at rest, as in real recordings, with fixed seeds.
+
+How fast a body turns, how long it turns alike, and how it is accelerated are those of ten recordings of the data set
+BROAD (D. Laidig et al., Data 6(7):72, 2021): docs/reference/league.md has both beside one another. The cases were fixed
+before any filter was ranked by them.
+"""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Final
+from itertools import product
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.runs import Run, simulate
+from lie_rigid_body.scenario import random_kicks
 from lie_rigid_body.scenario.parameter_file import CONFIG, gather
 from lie_rigid_body.sensors import PERFECT
 
-MOTIONS: Final = ("slow_tumble", "fast_tumble", "spin_x", "spin_y", "spin_z", "flips", "precession")
-REAL: Final = ("navigation", "tactical", "mems")
-"""Grades of sensors that have errors."""
-GRADES: Final = (PERFECT, *REAL)
+
+class Motion(NamedTuple):
+    """How a body turns and is carried.
+
+    Attributes
+    ----------
+    rate : float
+        Largest body rate after a kick, rad/s.
+    interval : float
+        Mean time between two kicks, s: twice the time after which the autocorrelation of the rate is a half.
+    acceleration : float
+        RMS of the acceleration along each axis of the world, m/s².
+    band : tuple of float
+        Frequencies between which it is, Hz.
+    """
+
+    rate: float
+    interval: float
+    acceleration: float
+    band: tuple[float, float]
+
+
+MOTIONS: Final = {
+    ("rotation", "slow"): Motion(2.1, 1.2, 0.7, (2.0, 10.0)),
+    ("rotation", "fast"): Motion(5.7, 0.3, 1.8, (1.5, 8.5)),
+    ("translation", "slow"): Motion(1.1, 0.25, 1.6, (0.5, 4.5)),
+    ("translation", "fast"): Motion(3.3, 0.25, 8.1, (1.0, 2.6)),
+    ("combined", "slow"): Motion(2.1, 1.2, 1.6, (0.5, 4.5)),
+    ("combined", "fast"): Motion(10.4, 0.4, 6.3, (0.9, 3.0)),
+    ("disturbed", "slow"): Motion(3.7, 0.75, 1.5, (0.4, 2.5)),
+    ("disturbed", "fast"): Motion(8.5, 0.4, 4.6, (0.6, 3.7)),
+}
+"""By group and speed. Of slow combined motions there is no recording: the rate is that of slow rotations, the
+acceleration that of slow translations."""
+MAGNETS: Final = {("disturbed", "slow"): "attached_magnet", ("disturbed", "fast"): "passing_magnet"}
+"""Files in ``config/league`` that groups have beside."""
+GROUPS: Final = tuple(dict.fromkeys(group for group, _ in MOTIONS))
+GRADES: Final = ("mems", "tactical")
+"""Grades of the sensors in the cases by which filters are ranked."""
+SEEDS: Final = (1, 2, 3)
+"""Seeds of kicks, sway and sensors."""
 FAULTS: Final = (
     "clock_offset",
     "dropouts",
@@ -30,10 +75,12 @@ FAULTS: Final = (
 )
 DURATION_S: Final = 60.0
 """Length of a run, s."""
-SETTLED_S: Final = 30.0
+REST_S: Final = 10.0
+"""Rest with which a run begins, s, as recordings do."""
+BREAKS_S: Final = ((24.0, 32.0), (44.0, 52.0))
+"""Rests of a run that has rests, s: a third of the time, as in recordings with breaks."""
+SETTLED_S: Final = 20.0
 """Time from which on errors count, s: filters begin without knowing the attitude."""
-SEED: Final = 1
-"""Seed of the sensors in every case."""
 RESOLUTION: Final = 1e-9
 """Share of the range of readings to which they are rounded before they are hashed: round-off differs by machine."""
 
@@ -44,31 +91,82 @@ class Case:
 
     Attributes
     ----------
-    motion, grade, fault : str
-        Names of files in ``config/league``, but of the grade; no fault is ''.
+    group, speed : str
+        A key of `MOTIONS`; no speed is the free tumble.
+    rests : bool
+        Whether the body rests at times.
+    grade : str
+        Grade of the sensors.
+    seed : int
+        Seed of kicks, sway and sensors.
+    fault : str
+        One of `FAULTS`, or ''.
     """
 
-    motion: str
+    group: str
+    speed: str
+    rests: bool
     grade: str
+    seed: int = SEEDS[0]
     fault: str = ""
 
     def __str__(self) -> str:
-        return " ".join(filter(None, (self.motion, self.grade, self.fault)))
+        return " ".join(
+            filter(None, (self.group, self.speed, "rests" * self.rests, self.fault, self.grade, str(self.seed)))
+        )
+
+    @property
+    def name(self) -> str:
+        """Motion and fault, in words."""
+        return " ".join(filter(None, (self.speed, self.group, "with rests" * self.rests, self.fault)))
+
+    def parameters(self) -> dict[str, Any]:
+        """Parameters of its scenario."""
+        names = ["sensors"]
+        moving = {}
+        if self.speed:
+            motion = MOTIONS[self.group, self.speed]
+            names += filter(None, [MAGNETS.get((self.group, self.speed))])
+            moving = {
+                "kicks": kicks_of(motion, self.seed, BREAKS_S if self.rests else ()),
+                "translation": "carried",
+                "sway_acceleration": [motion.acceleration] * 3,
+                "sway_band": [*motion.band],
+                "sway_seed": self.seed,
+            }
+        else:
+            names.append(self.group)
+        names += [f"fault_{self.fault}"] * bool(self.fault)
+        files: Any = gather(None, [CONFIG / "league" / f"{name}.yaml" for name in names], [])
+        return {**files, **moving, "sensor_grade": self.grade, "sensor_seed": self.seed}
 
 
-CASES: Final = (
-    *(Case(motion, grade) for grade in GRADES for motion in MOTIONS),
-    *(Case("slow_tumble", "mems", fault) for fault in FAULTS),
+def kicks_of(motion: Motion, seed: int, breaks_s: Sequence[tuple[float, float]]) -> list[float]:
+    """Kicks of a motion that begins with a rest, and has breaks: four numbers a kick."""
+    drawn = np.reshape(random_kicks(DURATION_S - REST_S, motion.interval, motion.rate, 0.0, seed), (-1, 4))
+    drawn[:, 0] += REST_S
+    for begin, end in breaks_s:
+        before, after = drawn[:, 0] < begin, drawn[:, 0] >= end
+        drawn = np.concatenate([drawn[before], [[begin, 0.0, 0.0, 0.0]], drawn[after]])
+    return list(drawn.ravel().tolist())
+
+
+WIRING: Final = Case("tumble", "", False, PERFECT)
+"""A free tumble read by perfect sensors, which proves that a filter is wired as it should be."""
+RANKED: Final = tuple(
+    Case(group, speed, rests, grade, seed)
+    for (group, speed), rests, grade, seed in product(MOTIONS, (False, True), GRADES, SEEDS)
 )
-"""Every motion with every grade, and a slow tumble of MEMS sensors with each fault."""
+"""The cases by which filters are ranked."""
+FAULTY: Final = tuple(Case("combined", "slow", False, "mems", fault=fault) for fault in FAULTS)
+"""A motion with each fault of the sensors."""
+CASES: Final = (WIRING, *RANKED, *FAULTY)
 
 
 @lru_cache(maxsize=4)
-def run_of(case: Case, seed: int = SEED) -> Run:
+def run_of(case: Case) -> Run:
     """The run of a case, with its truth."""
-    names = ["sensors", case.motion, *([f"fault_{case.fault}"] if case.fault else [])]
-    parameters: dict[str, Any] = dict(gather(None, [CONFIG / "league" / f"{name}.yaml" for name in names], []))
-    run: Run = simulate(duration=DURATION_S, **{**parameters, "sensor_grade": case.grade, "sensor_seed": seed})
+    run: Run = simulate(duration=DURATION_S, **case.parameters())
     return run
 
 

@@ -5,22 +5,53 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import partial
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
-from lie_rigid_body.evaluation import attitude_error, bias_error
-from lie_rigid_body.evaluation.statistics import (
-    MIN_SHARE,
-    largest_of_second_half,
-    rms,
-    settling_limit,
-    time_to_converge,
-)
+from lie_rigid_body.evaluation import bias_error
+from lie_rigid_body.evaluation.causes import BY_CODE, undone
+from lie_rigid_body.evaluation.matched import Matched
+from lie_rigid_body.evaluation.statistics import largest_of_second_half, rms, settling_limit, time_to_converge
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
-from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
+from lie_rigid_body.league.cases import CASES, SETTLED_S, WIRING, Case, readings_hash, run_of
+from lie_rigid_body.league.table import LOST_DEG, MOST, CaseResult, FilterRow, reference
 from lie_rigid_body.runs.ensemble import BlindRun
+
+MIN_SHARE: Final = 0.9
+"""Smallest share of the readings of the IMU, from `SETTLED_S` on, that have an answer in a case that is not lost."""
+CONSTANTS: Final = ("heading_offset", "body_mounting", "lagging", "leading")
+"""Codes of the causes with one constant that may explain most of a row's error."""
+
+
+class Constant(NamedTuple):
+    """A cause with its constant, which one process tells another.
+
+    Attributes
+    ----------
+    code : str
+        One of `CONSTANTS`.
+    values : tuple of float
+        In the unit of the cause.
+    """
+
+    code: str
+    values: tuple[float, ...]
+
+    @property
+    def message(self) -> str:
+        """What is wrong, a sentence without a full stop."""
+        return BY_CODE[self.code].fact(np.array(self.values))
+
+    def left(self, track: Matched) -> float:
+        """RMS of the total error of a track without the constant, degrees."""
+        return rms_deg(undone(track, [(BY_CODE[self.code], np.array(self.values))]))
+
+
+def rms_deg(track: Matched) -> float:
+    """RMS of the total error where the truth is known, degrees."""
+    return float(np.degrees(rms(track.known().error().total)))
 
 
 def play(name: str, source: Source, *, workers: int, timeout_s: float, progress: Callable[[], object]) -> FilterRow:
@@ -46,53 +77,83 @@ def play(name: str, source: Source, *, workers: int, timeout_s: float, progress:
     """
     results: dict[str, CaseResult] = {}
     other: list[str] = []
+    constant: Constant | None = None
     with closing(Workers(source, workers, timeout_s)) as pool:
-        for case, answer in zip(CASES, pool.each([partial(_play_here, case=case) for case in CASES]), strict=True):
-            result, digest = (lost(answer), "") if isinstance(answer, InputError) else answer
-            results[str(case)] = result
-            if digest and digest != reference().readings[str(case)]:
-                other.append(str(case))
-            progress()
+        for cases in (CASES[:1], CASES[1:]):  # the first one has the constant
+            answers = pool.each([partial(_play_here, case=case, constant=constant) for case in cases])
+            for case, answer in zip(cases, answers, strict=True):
+                if isinstance(answer, InputError):
+                    results[str(case)] = lost(answer)
+                else:
+                    results[str(case)], constant, digest = answer
+                    other += [str(case)] * (digest != reference().readings[str(case)])
+                progress()
     if all(result.failure for result in results.values()):
         raise InputError(f"{name} gave no estimate in any case: {results[str(CASES[0])].failure}")
-    return FilterRow(name, results, other_readings=tuple(other))
+    return FilterRow(name, results, constant=constant.message if constant else "", other_readings=tuple(other))
 
 
-def _play_here(estimate: Estimator, case: Case) -> tuple[CaseResult, str]:
-    return play_case(estimate, case), readings_hash(run_of(case))
+def _play_here(estimate: Estimator, case: Case, constant: Constant | None) -> tuple[CaseResult, Constant | None, str]:
+    return *play_case(estimate, case, constant), readings_hash(run_of(case))
 
 
-def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
-    """Score a filter in one case; it is given the readings, and nothing of the truth."""
-    run = run_of(case, seed)
+def play_case(estimate: Estimator, case: Case, constant: Constant | None = None) -> tuple[CaseResult, Constant | None]:
+    """Score a filter in one case; it is given the readings, and nothing of the truth.
+
+    Parameters
+    ----------
+    estimate : callable
+    case : Case
+    constant : Constant, optional
+        What explains most of its error in the case `WIRING`, without which it is scored as well.
+
+    Returns
+    -------
+    result : CaseResult
+    constant : Constant or None
+        What was given; of the case `WIRING` what was found.
+    """
+    run = run_of(case)
     begin_ns = run.t_ns[0]
     due_ns = run.sensors["imu"].t_ns
     try:
         found = called(estimate, BlindRun.without_truth(run), SETTLED_S)
-        error = attitude_error(found.attitude_xyzw, run.attitude().at(found.t_ns))
+        track = Matched(found.t_ns, found.attitude_xyzw, run.attitude())
+        error = track.error()
         t_s = (found.t_ns - begin_ns) / 1e9
         settled = t_s >= SETTLED_S
         count = int(np.sum(settled))
         due = int(np.sum(due_ns - begin_ns >= SETTLED_S * 1e9))
         if count < MIN_SHARE * due:
             raise InputError(
-                f"{count} attitudes after {SETTLED_S:g} s, for {due} readings of the IMU: give half at least"
+                f"{count} attitudes after {SETTLED_S:g} s, for {due} readings of the IMU: give nine tenths at least"
             )
     except InputError as failure:
-        return lost(failure)
+        return lost(failure), constant
     off = None
     if found.gyro_bias is not None:
         with suppress(InputError):  # one that is not finite costs no attitude
             off = bias_error(found.gyro_bias[settled], run.gyro_bias_at(found.t_ns[settled])).rms
     total = np.degrees(error.total)
     of_axis = [float(np.degrees(rms(angle[settled]))) for angle in (error.total, error.heading, error.inclination)]
-    return CaseResult(
+    if case == WIRING:
+        constant = _constant(track[settled])
+    result = CaseResult(
         of_axis[0],
         of_axis[1],
         of_axis[2],
         converged_s=time_to_converge(t_s, total, settling_limit(largest_of_second_half(t_s, total))),
         gyro_bias_rms_rad_s=off,
+        without_constant_deg=constant.left(track[settled]) if constant else None,
     )
+    return result, constant
+
+
+def _constant(track: Matched) -> Constant | None:
+    """The one constant that explains most of an error; None where none does."""
+    found = [Constant(code, tuple(BY_CODE[code].fitted([track.known()])[0].tolist())) for code in CONSTANTS]
+    best = min(found, key=lambda constant: constant.left(track))
+    return best if best.left(track) < MOST * rms_deg(track) else None
 
 
 def lost(failure: InputError) -> CaseResult:

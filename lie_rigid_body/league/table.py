@@ -4,36 +4,40 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
-from functools import cached_property, lru_cache
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property, lru_cache, partial
 from itertools import takewhile
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.differences import of_runs
+from lie_rigid_body.evaluation.differences import geometric_mean, of_runs
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import call_repr, counted, listed, shown
-from lie_rigid_body.league.cases import CASES, MOTIONS, REAL, Case
+from lie_rigid_body.league.cases import CASES, GRADES, GROUPS, RANKED, WIRING, Case
 from lie_rigid_body.scenario.parameter_file import CONFIG
 from lie_rigid_body.system.bounded_input import load_json, read_text
 
-EDITION: Final = "2026.1"
+EDITION: Final = "2026.2"
 """Edition of the cases and of the reference rows: rows of one edition can be compared."""
 REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
 
 _ROWS_FILE: Final = "a file that 'league --json' writes"
+_FOLLOWING: Final = ("name", "median_deg", "overall", "rank", "tied")
+"""What a file has of a row beside its fields."""
 _ALWAYS_KNOWN: Final = {"total_deg", "heading_deg", "inclination_deg"}
 """Errors that each case has; the others may be None."""
 BOUND: Final = "Cramér–Rao bound"
 """Name of the row of the bound."""
 LOST_DEG: Final = 180.0
 """Error of a filter that fails, degrees."""
-MIN_DEG: Final = 1e-9
-"""Least error that counts in a geometric mean, degrees."""
+MAX_WIRED_DEG: Final = 5.0
+"""Largest error of a filter with perfect sensors whose wiring is not in doubt, degrees."""
+MOST: Final = 0.5
+"""Share of an error below which what is left without a constant shows that it explains most of it."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,8 @@ class CaseResult:
         What the filter failed of; '' if it did not.
     gyro_bias_rms_rad_s : float or None
         RMS error of the gyro's bias from `SETTLED_S` on, rad/s, of a filter that gives it.
+    without_constant_deg : float or None
+        RMS of the total error without the constant of the row, degrees; None of a row that has none.
     """
 
     total_deg: float
@@ -58,6 +64,7 @@ class CaseResult:
     converged_s: float | None = None
     failure: str = ""
     gyro_bias_rms_rad_s: float | None = None
+    without_constant_deg: float | None = None
 
 
 @dataclass(frozen=True)
@@ -74,8 +81,12 @@ class FilterRow:
         Of its library.
     setting : str
         How its parameters were chosen; '' for the defaults of its library.
+    parameters : mapping of str to mapping of str to float
+        By grades of sensors the parameters that differ from the defaults.
     sees_future : bool
         Whether an attitude rests on later readings too, as a smoother's does.
+    constant : str
+        Heading, mounting or clock that explains most of its error with perfect sensors, a sentence; '' where none does.
     other_readings : tuple of str
         Cases in which the machine made other readings than the reference has.
     """
@@ -84,7 +95,9 @@ class FilterRow:
     results: Mapping[str, CaseResult]
     version: str = ""
     setting: str = ""
+    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     sees_future: bool = False
+    constant: str = ""
     other_readings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -95,26 +108,60 @@ class FilterRow:
         """The filter with its setting, as tables show it."""
         return ", ".join(filter(None, (self.filter, self.setting)))
 
-    def typical_deg(self, grade: str, *, faults: bool = False) -> float:
-        """Median of the total errors over the cases of a grade, without faults or with, degrees."""
-        return float(np.median([self.results[str(c)].total_deg for c in CASES if is_of(c, grade, faults=faults)]))
-
-    @cached_property
-    def of_motions_deg(self) -> Array:
-        """Geometric mean of the total errors over the grades of real sensors, in each motion, degrees."""
-        errors = [[self.results[str(Case(motion, grade))].total_deg for grade in REAL] for motion in MOTIONS]
-        return np.asarray(np.exp(np.log(np.maximum(errors, MIN_DEG)).mean(axis=1)))
+    @property
+    def is_wired(self) -> bool:
+        """Whether it follows perfect sensors; another one stands at the end."""
+        return self.results[str(WIRING)].total_deg <= MAX_WIRED_DEG
 
     @property
+    def lost(self) -> int:
+        """Number of cases in which it failed."""
+        return sum(bool(result.failure) for result in self.results.values())
+
+    def of(self, cases: Iterable[Case], what: str = "total_deg") -> Array:
+        """A number of its results in some cases, infinite where there is none."""
+        values = [getattr(self.results[str(case)], what) for case in cases]
+        return np.array([np.inf if value is None else value for value in values])
+
+    def median(self, cases: Iterable[Case], what: str = "total_deg") -> float:
+        """Median of a number of its results over some cases, infinite where most have none."""
+        return float(np.median(self.of(cases, what)))
+
+    def median_deg(self, group: str, grade: str, what: str = "total_deg") -> float:
+        """Median of the errors in a group with sensors of a grade, degrees."""
+        return self.median([case for case in RANKED if (case.group, case.grade) == (group, grade)], what)
+
+    def group_deg(self, group: str, what: str = "total_deg") -> float:
+        """Geometric mean over the grades of the medians in a group, degrees."""
+        medians = [self.median_deg(group, grade, what) for grade in GRADES]
+        return geometric_mean(np.array(medians))
+
+    @cached_property
     def overall_deg(self) -> float:
-        """Geometric mean of the typical errors with the grades of real sensors, degrees: rows are ranked by it."""
-        return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), MIN_DEG)) for grade in REAL])))
+        """Geometric mean over the groups, degrees: rows are ranked by it."""
+        return self.overall("total_deg")
+
+    def overall(self, what: str) -> float:
+        """Geometric mean over the groups of a kind of error, degrees."""
+        return geometric_mean(np.array([self.group_deg(group, what) for group in GROUPS]))
+
+    @property
+    def explained(self) -> bool:
+        """Whether one constant explains most of its error."""
+        return bool(self.constant) and self.overall("without_constant_deg") < MOST * self.overall_deg
 
     def to_json(self, table: LeagueTable | None = None) -> dict[str, Any]:
-        """The row as JSON-serialisable data, with its rank and its ties in a table, which reading leaves out."""
+        """The row as JSON-serialisable data, in a table with what follows from it, which reading leaves out."""
         if table is None:
             return asdict(self)
-        return {**asdict(self), "rank": table.rank(self), "tied": [other.name for other in table.tied(self)]}
+        follows = {
+            "name": self.name,
+            "median_deg": {group: {grade: self.median_deg(group, grade) for grade in GRADES} for group in GROUPS},
+            "overall": self.overall_deg,
+            "rank": table.rank(self),
+            "tied": [other.name for other in table.tied(self)],
+        }
+        return {**follows, **asdict(self)}
 
     @classmethod
     def from_json(cls, content: Any) -> FilterRow:
@@ -126,11 +173,11 @@ class FilterRow:
             If a field or a case is missing, or one is of another kind.
         """
         try:
-            content = {name: value for name, value in content.items() if name not in ("rank", "tied")}
+            content = {name: value for name, value in content.items() if name not in _FOLLOWING}
             results = {str(name): CaseResult(**result) for name, result in content["results"].items()}
             row = cls(**{**content, "results": results, "other_readings": tuple(content.get("other_readings", ()))})
             of_cases = [vars(row.results[str(case)]) for case in CASES]
-            texts = (row.filter, row.version, row.setting, *(each["failure"] for each in of_cases))
+            texts = (row.filter, row.version, row.setting, row.constant, *(each["failure"] for each in of_cases))
             if not (
                 row.filter
                 and all(map(str.isprintable, texts))
@@ -142,6 +189,7 @@ class FilterRow:
                     if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
                 )
                 and isinstance(row.sees_future, bool)
+                and {*row.parameters} <= {*GRADES}
                 and {*row.other_readings} <= {*map(str, CASES)}
             ):
                 raise ValueError("no words, no size of an error, no flag or no case")
@@ -154,11 +202,6 @@ class FilterRow:
 def _is_size(value: object) -> bool:
     """Whether a value of JSON is a finite number that is not below 0."""
     return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= sys.float_info.max
-
-
-def is_of(case: Case, grade: str, *, faults: bool = False) -> bool:
-    """Whether a case is of a grade, without a fault or with one."""
-    return case.grade == grade and bool(case.fault) == faults
 
 
 @dataclass(frozen=True)
@@ -192,32 +235,47 @@ class LeagueTable:
 
     def with_rows(self, rows: Iterable[FilterRow]) -> LeagueTable:
         """The table with more rows."""
-        return replace(self, rows=tuple(sorted((*self.rows, *rows), key=lambda row: row.overall_deg)))
+        return replace(self, rows=tuple(sorted((*self.rows, *rows), key=_place)))
 
-    def rank(self, row: FilterRow, of: Callable[[FilterRow], float] = lambda row: row.overall_deg) -> int:
-        """Place of a row, from 1 on, by a number of each row; rows that are alike share the better place."""
-        return 1 + sum(of(other) < of(row) for other in self.rows)
+    def rank(self, row: FilterRow) -> int:
+        """Place of a row, from 1 on; rows that are alike share the better place."""
+        return 1 + sum(_place(other) < _place(row) for other in self.rows)
+
+    def rank_in(self, row: FilterRow, group: str) -> int:
+        """Place of a row in a group."""
+        return 1 + sum(other.group_deg(group) < row.group_deg(group) for other in self.rows)
+
+    def rank_without_constant(self, row: FilterRow) -> int:
+        """Place that a row would have without its constant."""
+        error = row.overall("without_constant_deg")
+        return 1 + sum(_place(other) < (False, error) for other in self.rows if other is not row)
+
+    def _neighbours(self, row: FilterRow) -> tuple[Sequence[FilterRow], Sequence[FilterRow]]:
+        """Rows above, the nearest first, and below."""
+        at = self.rows.index(row)
+        return self.rows[:at][::-1], self.rows[at + 1 :]
 
     def tied(self, row: FilterRow) -> list[FilterRow]:
         """Neighbours of a row in rank, up and down, from which it is not shown to differ, best first.
 
-        By pairs of the motions: the geometric means of the errors over the grades of real sensors, at 5 % each.
+        By pairs of the cases by which filters are ranked, at 5 % each.
         """
-        at = self.rows.index(row)
-        up, down = (
-            [*takewhile(lambda other: not of_runs(row.of_motions_deg, other.of_motions_deg).is_shown, rows)]
-            for rows in (reversed(self.rows[:at]), self.rows[at + 1 :])
-        )
+        up, down = ([*takewhile(partial(_alike, row), rows)] for rows in self._neighbours(row))
         return [*reversed(up), *down]
 
-    def place(self, row: FilterRow, case: Case) -> int:
-        """Place of a row in one case."""
-        return self.rank(row, lambda each: each.results[str(case)].total_deg)
+    def nearest_other(self, row: FilterRow) -> list[FilterRow]:
+        """The first rows above and below that are shown to differ, where there are."""
+        found = (next((other for other in rows if not _alike(row, other)), None) for rows in self._neighbours(row))
+        return [other for other in found if other]
 
-    def best_and_worst(self, row: FilterRow) -> tuple[Case, Case]:
-        """Cases in which a row has the best and the worst place of all its places."""
-        places = [self.place(row, case) for case in CASES]
-        return CASES[int(np.argmin(places))], CASES[int(np.argmax(places))]
+
+def _place(row: FilterRow) -> tuple[bool, float]:
+    return not row.is_wired, row.overall_deg
+
+
+def _alike(row: FilterRow, other: FilterRow) -> bool:
+    """Whether no difference of two rows is shown."""
+    return not of_runs(row.of(RANKED), other.of(RANKED)).is_shown
 
 
 def rows_of(path: str | Path) -> list[FilterRow]:
@@ -266,16 +324,27 @@ def rank_with_ties(table: LeagueTable, row: FilterRow) -> str:
 
 def standing(table: LeagueTable, row: FilterRow) -> str:
     """Sentences about the place of a row in a table that has it."""
-    best, worst = table.best_and_worst(row)
+    best, *_, worst = sorted(GROUPS, key=lambda group: table.rank_in(row, group))
     failed = [name for name, result in row.results.items() if result.failure]
-    biases = [result.gyro_bias_rms_rad_s for result in row.results.values() if result.gyro_bias_rms_rad_s is not None]
-    rank = rank_with_ties(table, row)
+    biases = row.of(RANKED, "gyro_bias_rms_rad_s")
     sentences = (
-        f"{row.name} is number {rank} of {len(table.rows)}: {angle(row.typical_deg('mems'))}° with MEMS sensors, "
-        f"where the Cramér–Rao bound without dynamics is {angle(table.bound.typical_deg('mems'))}°.",
-        f"It is best at {best} (number {table.place(row, best)}) and worst at {worst} "
-        f"(number {table.place(row, worst)}).",
-        f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case." if biases else "",
+        f"{row.name} is number {rank_with_ties(table, row)} of {len(table.rows)}, with {angle(row.overall_deg)}° "
+        f"overall, where the Cramér–Rao bound without dynamics is {angle(table.bound.overall_deg)}°.",
+        f"It is best at {best} (number {table.rank_in(row, best)}) and worst at {worst} "
+        f"(number {table.rank_in(row, worst)}).",
+        *(
+            f"{of_runs(row.of(RANKED), other.of(RANKED)).sentence(row.name, other.name)}."
+            for other in table.nearest_other(row)
+        ),
+        f"{row.constant}: without this constant its error is {angle(row.overall('without_constant_deg'))}°, and it is "
+        f"number {table.rank_without_constant(row)}."
+        if row.explained
+        else "",
+        f"With perfect sensors its error is {angle(row.results[str(WIRING)].total_deg)}°: its wiring is in doubt, so "
+        "it stands at the end."
+        if not row.is_wired
+        else "",
+        f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case." if np.isfinite(biases).any() else "",
         f"It failed in {counted(len(failed), 'case')}, first in {failed[0]}: {row.results[failed[0]].failure}"
         if failed
         else "",

@@ -11,7 +11,8 @@ import numpy as np
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.filter_diagnosis import degrees
 from lie_rigid_body.foundation.wording import counted
-from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
+from lie_rigid_body.league import CASES, EDITION, FilterRow, LeagueTable, standing
+from lie_rigid_body.league.cases import FAULTY, GROUPS, RANKED, SETTLED_S, WIRING
 from lie_rigid_body.league.table import angle, rank_with_ties
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
@@ -21,7 +22,8 @@ from lie_rigid_body.report.html_page import escaped
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
+_OF_GROUPS: Final = ("filter", "rank", "overall", *GROUPS)
+_BESIDE: Final = ("heading", "inclination", "settles, s", "faults", "perfect", "lost")
 
 
 def parts_of_diagnosis(found: FilterDiagnosis) -> Parts:
@@ -92,14 +94,15 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
         Sentences([standing(table, row) for row in own]),
         Sentences(
             [
-                "RMS of the total error from 30 s on, degrees: medians over the cases of a grade of sensors. Filters "
-                "are ranked by the geometric mean over the grades of real sensors; in brackets are the ranks between "
-                f"which no difference is shown, by pairs of motions. Edition {EDITION}.",
-                "A star marks filters that see later readings.",
+                f"RMS of the total error from {SETTLED_S:g} s on, degrees: medians over the cases of a group, as "
+                "geometric means over MEMS and tactical sensors. Filters are ranked by the geometric mean over the "
+                "groups; in brackets are the ranks between which no difference is shown, by pairs of cases. "
+                f"Edition {EDITION}.",
+                "A star marks filters that see later readings. Filters that do not follow perfect sensors stand last.",
             ]
         ),
         Table(
-            _HEADINGS,
+            (*_OF_GROUPS, *_BESIDE),
             [
                 ("> " * (number in marked) + name, *cells)
                 for number, (name, *cells) in enumerate(_cells_of_row(table, row) for row in rows)
@@ -111,13 +114,21 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
 
 
 def _cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
-    """Name, rank and errors: the typical ones of each grade and with faults, and the overall one.
-
-    A star marks filters that see later readings; the bound has no rank.
-    """
-    rank = rank_with_ties(table, row) if row in table.rows else ""
-    errors = (*map(row.typical_deg, GRADES), row.typical_deg("mems", faults=True), row.overall_deg)
-    return [row.name + " *" * row.sees_future, rank, *map(angle, errors)]
+    """Cells of a row; a star marks filters that see later readings, and the bound has no rank."""
+    others = [row.median(RANKED, what) for what in ("heading_deg", "inclination_deg")]
+    cells = map(angle, (row.overall_deg, *map(row.group_deg, GROUPS), *others))
+    if row not in table.rows:
+        return [row.name, "", *cells, "", "", "", ""]
+    settles_s = row.median(RANKED, "converged_s")
+    return [
+        row.name + " *" * row.sees_future,
+        rank_with_ties(table, row),
+        *cells,
+        f"{settles_s:.2g}" if np.isfinite(settles_s) else "never",
+        angle(row.median(FAULTY)),
+        angle(row.results[str(WIRING)].total_deg),
+        str(row.lost or ""),
+    ]
 
 
 def _heat_map(table: LeagueTable) -> str:

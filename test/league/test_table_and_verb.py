@@ -16,7 +16,20 @@ from lie_rigid_body.cli.diagnose import given_estimator
 from lie_rigid_body.cli.league import main
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
-from lie_rigid_body.league.cases import readings_hash, run_of
+from lie_rigid_body.league.cases import (
+    BREAKS_S,
+    DURATION_S,
+    FAULTY,
+    GRADES,
+    GROUPS,
+    MOTIONS,
+    RANKED,
+    REST_S,
+    SETTLED_S,
+    WIRING,
+    readings_hash,
+    run_of,
+)
 from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult, rank_with_ties, rows_of
 from lie_rigid_body.runs import Estimate
@@ -66,54 +79,96 @@ def row(name: str, error: float, **others: float) -> FilterRow:
     return FilterRow(name, {**results, **{case: CaseResult(e, e, e) for case, e in others.items()}})
 
 
+MEMS = Case("combined", "slow", rests=False, grade="mems")
+
+
 def test_every_row_of_the_reference_set_has_every_case():
     table = reference()
-    assert len(table.rows) > 40
+    assert len({each.filter for each in table.rows}) > 30
     assert set(table.readings) == {str(case) for case in CASES}
     for each in table.rows:
         assert set(each.results) == set(table.readings)
-    errors = [each.overall_deg for each in table.rows]
+    errors = [each.overall_deg for each in table.rows if each.is_wired]
     assert errors == sorted(errors)
 
 
+def test_cases_are_every_group_speed_rest_grade_and_seed_once():
+    assert len({*map(str, CASES)}) == len(CASES) == 106
+    assert len(RANKED) == len(GROUPS) * 2 * 2 * len(GRADES) * 3
+    assert (CASES[0].grade, len(FAULTY)) == ("perfect", 9)
+
+
+@pytest.mark.parametrize("rests", [False, True])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_bodies_move_as_the_table_says_and_rest_when_they_should(motion: tuple[str, str], rests: bool) -> None:
+    """The rates of a free body hardly leave those after its kicks; the sway is a sum of 16 harmonics an axis."""
+    run: Any = run_of(Case(*motion, rests=rests, grade="mems", seed=3))
+    rate, interval, acceleration, _ = MOTIONS[motion]
+    rates = np.linalg.norm(run.truth.body_rate, axis=1)
+    assert rates[run.t_s < REST_S].max() == 0.0
+    assert 0.75 * rate < rates.max() < 1.2 * rate
+    for begin, end in BREAKS_S:
+        inside = (run.t_s >= begin) & (run.t_s < end)
+        assert (rates[inside].max() == 0.0) == rests
+    moving = DURATION_S - REST_S - rests * sum(end - begin for begin, end in BREAKS_S)
+    assert len(run.kicks.t_ns) == pytest.approx(moving / interval, rel=0.25)
+    if not rests:
+        assert run.acceleration[run.t_s > REST_S + 2.0].std() == pytest.approx(acceleration, rel=0.25)
+
+
 def test_rows_survive_a_file(tmp_path):
-    mine = replace(row("mine", 1.0, **{"flips mems": 3.0}), version="2", other_readings=("flips mems",))
+    mine = replace(row("mine", 1.0, **{str(MEMS): 3.0}), version="2", other_readings=(str(MEMS),))
     path = tmp_path / "rows.json"
     path.write_text(json.dumps({"edition": EDITION, "rows": [mine.to_json()]}))
     assert rows_of(path) == [mine]
 
 
-def test_ranks_are_by_the_geometric_mean_of_grades():
+def test_ranks_are_by_the_geometric_mean_of_groups_and_grades():
     table = LeagueTable((), {}, {}).with_rows([row("b", 2.0), row("a", 1.0), row("c", 2.0)])
     assert [(each.filter, table.rank(each)) for each in table.rows] == [("a", 1), ("b", 2), ("c", 2)]
-    mixed = row("mixed", 1.0, **{str(case): 8.0 for case in CASES if case.grade == "mems" and not case.fault})
-    assert mixed.overall_deg == pytest.approx(2.0)  # the third root of 1 * 1 * 8
-    best, worst = table.with_rows([mixed]).best_and_worst(mixed)
-    assert (best.grade, worst.grade) == ("perfect", "mems")
+    of_disturbed = {str(case): 16.0 for case in RANKED if case.group == "disturbed" and case.grade == "mems"}
+    mixed = row("mixed", 1.0, **of_disturbed, **{str(case): 99.0 for case in FAULTY})
+    assert mixed.group_deg("disturbed") == pytest.approx(4.0)  # the root of 16 * 1
+    assert mixed.overall_deg == pytest.approx(2.0**0.5)  # the fourth root of 4 * 1 * 1 * 1
+    with_mine = table.with_rows([mixed])
+    assert (with_mine.rank_in(mixed, "disturbed"), with_mine.rank_in(mixed, "rotation")) == (4, 1)
+    assert mixed.median(FAULTY) == 99.0
 
 
-def test_rows_are_tied_with_neighbours_from_which_seven_motions_show_no_difference():
-    """With seven pairs the smallest p of the signed-rank test is 2/128, and that of one rank against is 4/128."""
+def test_a_filter_that_does_not_follow_perfect_sensors_stands_last():
+    table = LeagueTable((), {}, {}).with_rows(
+        [row("a", 10.0, **{str(WIRING): 1.0}), row("b", 1.0, **{str(WIRING): 6.0})]
+    )
+    assert [each.filter for each in table.rows] == ["a", "b"]
+    assert table.rank(table.rows[1]) == 2
+
+
+def test_rows_are_tied_with_neighbours_from_which_the_cases_show_no_difference():
     draws = np.random.default_rng(1)
 
     def scattered(name: str, size: float) -> FilterRow:
-        factors = np.exp(0.05 * draws.normal(size=len(CASES)))
-        return row(name, size, **{str(case): size * factor for case, factor in zip(CASES, factors, strict=True)})
+        factors = np.exp(0.2 * draws.normal(size=len(CASES)))
+        errors = {str(case): size * factor for case, factor in zip(CASES, factors, strict=True)}
+        return row(name, size, **{**errors, str(WIRING): 0.0})
 
-    table = LeagueTable((), {}, {}).with_rows([scattered("b", 1.0), scattered("c", 1.001), scattered("a", 0.1)])
+    table = LeagueTable((), {}, {}).with_rows([scattered("b", 1.0), scattered("c", 1.001), scattered("a", 0.5)])
     near, far = table.rows[1:], table.rows[0]
     assert far.filter == "a"
     assert [[each.filter for each in table.tied(one)] for one in table.rows] == [[], [near[1].filter], [near[0].filter]]
     assert [rank_with_ties(table, one) for one in table.rows] == ["1", "2 (2 to 3)", "3 (2 to 3)"]
+    assert table.nearest_other(near[1]) == [far]
+    assert table.nearest_other(far) == [near[0]]
     content = near[1].to_json(table)
-    assert (content["rank"], content["tied"]) == (3, [near[0].name])
+    assert (content["rank"], content["tied"], content["name"]) == (3, [near[0].name], near[1].name)
+    assert content["overall"] == near[1].overall_deg
+    assert content["median_deg"]["translation"]["mems"] == near[1].median_deg("translation", "mems")
     assert FilterRow.from_json(json.loads(json.dumps(content))) == near[1]
 
 
 def test_a_hash_sees_more_than_round_off():
-    run = run_of(Case("slow_tumble", "mems"))
+    run = run_of(MEMS)
     digest = readings_hash(run)
-    assert digest == readings_hash(run_of(Case("slow_tumble", "mems")))
+    assert digest == readings_hash(run_of(MEMS))
 
     class Changed:
         def __init__(self, by: float) -> None:
@@ -126,11 +181,11 @@ def test_a_hash_sees_more_than_round_off():
 
     assert readings_hash(Changed(1e-16)) == digest  # type: ignore[arg-type]
     assert readings_hash(Changed(2e-9)) != digest  # type: ignore[arg-type]
-    assert readings_hash(run_of(Case("slow_tumble", "mems"), 2)) != digest
+    assert readings_hash(run_of(replace(MEMS, seed=2))) != digest
 
 
 def test_what_a_filter_is_given_tells_no_truth():
-    blind: Any = BlindRun.without_truth(run_of(Case("slow_tumble", "mems")))
+    blind: Any = BlindRun.without_truth(run_of(MEMS))
     assert blind.truth is None
     assert blind.faults == ()
     assert blind.imu.gyro_bias is None
@@ -141,13 +196,13 @@ def test_what_a_filter_is_given_tells_no_truth():
 
 
 def test_a_filter_that_fails_is_lost_with_the_reason():
-    case = Case("slow_tumble", "perfect")
-    assert play_case(lambda run: run.t_ns, case).total_deg == 180.0
-    assert play_case(lambda run: run.attitude(), case).total_deg == 180.0
-    lost = play_case(lambda run: 1 / 0, case)
+    case = WIRING
+    assert play_case(lambda run: run.t_ns, case)[0].total_deg == 180.0
+    assert play_case(lambda run: run.attitude(), case)[0].total_deg == 180.0
+    lost = play_case(lambda run: 1 / 0, case)[0]
     assert lost.total_deg == 180.0
     assert "ZeroDivisionError" in lost.failure
-    early = play_case(lambda run: (run.t_ns[:100], np.tile([0.0, 0.0, 0.0, 1.0], (100, 1))), case)
+    early = play_case(lambda run: (run.t_ns[:100], np.tile([0.0, 0.0, 0.0, 1.0], (100, 1))), case)[0]
     assert early.total_deg == 180.0
 
 
@@ -174,34 +229,34 @@ def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypa
 
 
 def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
-    case = Case("slow_tumble", "mems")
+    case = MEMS
     run: Any = run_of(case)
 
     def estimate(blind: Any, off: float) -> Estimate:
         bias = run.gyro_bias_at(blind.imu.t_ns) + np.array([0.0, 0.0, off])
-        bias[blind.imu.t_s - blind.imu.t_s[0] < 30.0] = 1.0  # which does not count
+        bias[blind.imu.t_s - blind.imu.t_s[0] < SETTLED_S] = 1.0  # which does not count
         return Estimate(run.attitude().at(blind.imu.t_ns), gyro_bias=bias)
 
-    found = play_case(lambda blind: estimate(blind, 0.01), case)
+    found = play_case(lambda blind: estimate(blind, 0.01), case)[0]
     assert found.gyro_bias_rms_rad_s == pytest.approx(0.01)
-    without = play_case(lambda blind: estimate(blind, np.nan), case)
+    without = play_case(lambda blind: estimate(blind, np.nan), case)[0]
     assert (without.total_deg < 1.0, without.gyro_bias_rms_rad_s) == (True, None)
-    assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
+    assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case)[0].gyro_bias_rms_rad_s is None
 
 
 def test_few_attitudes_are_a_failure_and_a_large_error_is_no_convergence():
-    case = Case("slow_tumble", "mems")
+    case = MEMS
     run: Any = run_of(case)
     last = run.imu.t_ns[-1:]
-    few = play_case(lambda blind: Estimate(run.attitude().at(last), last), case)
+    few = play_case(lambda blind: Estimate(run.attitude().at(last), last), case)[0]
     assert (few.total_deg, few.failure != "") == (180.0, True)
-    still = play_case(lambda blind: np.tile([0.0, 0.0, 0.0, 1.0], (len(run.imu.t_ns), 1)), case)
+    still = play_case(lambda blind: np.tile([0.0, 0.0, 0.0, 1.0], (len(run.imu.t_ns), 1)), case)[0]
     assert (still.total_deg > 20.0, still.converged_s) == (True, None)
 
 
 @pytest.mark.parametrize("value", [True, False])
 def test_a_flag_is_no_size_of_an_error(value: bool) -> None:
-    content = reference().rows[0].to_json()
+    content = row("x", 1.0).to_json()
     next(iter(content["results"].values()))["total_deg"] = value
     with pytest.raises(InputError):
         FilterRow.from_json(content)
@@ -245,7 +300,7 @@ def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_
 
 WRONG_NAMES: list[Any] = [-1, True, None, [], "", "a\nb | forged row"]
 WRONG_FLAGS: list[Any] = [None, 1, "x", []]
-WRONG_CASES: list[Any] = [5, "flips mems", ["no case"], [[]]]
+WRONG_CASES: list[Any] = [5, str(MEMS), ["no case"], [[]]]
 WRONG_ERRORS: list[Any] = [None, -1.0, True, float("nan"), float("inf"), "1", [], {}, 10**400]
 
 
@@ -275,8 +330,8 @@ def test_row_with_a_value_of_another_kind_is_refused(name, value):
 
 
 def test_other_readings_are_told():
-    mine = replace(row("mine", 1.0), other_readings=("flips mems",))
-    assert "flips mems" in standing(reference().with_rows([mine]), mine)
+    mine = replace(row("mine", 1.0), other_readings=(str(MEMS),))
+    assert str(MEMS) in standing(reference().with_rows([mine]), mine)
 
 
 @pytest.mark.parametrize("command", ["./my\N{NO-BREAK SPACE}filter", "./my\tfilter", "./\N{SOFT HYPHEN}filter"])

@@ -39,5 +39,5 @@ def _cross(v: np.ndarray) -> np.ndarray:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-GRID = {"gyro": (1e-3, 1e-2), "bias": (1e-5, 1e-4), "vectors": (0.02, 0.1)}
+GRID = {"gyro": (1e-3, 1e-2), "bias": (1e-5,), "vectors": (0.02, 0.1, 0.5)}
 FILTERS = (Filter("filterpy", "KalmanFilter (MEKF)", estimate, GRID, advice="wired to six states here"),)

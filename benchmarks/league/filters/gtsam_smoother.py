@@ -50,5 +50,5 @@ def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-4, vectors: f
     return Rotation.from_quat(out)
 
 
-GRID = {"gyro": (1e-3, 1e-2), "bias": (1e-5, 1e-3), "vectors": (0.02, 0.1)}
+GRID = {"gyro": (1e-3, 1e-2), "bias": (1e-4,), "vectors": (0.02, 0.1, 0.5)}
 FILTERS = (Filter("gtsam", "AHRSFactor (batch)", estimate, GRID, sees_future=True, advice="wired to a graph here"),)

@@ -27,7 +27,12 @@ FILTERS = (
         "imufusion",
         "Ahrs",
         estimate,
-        {"gain": (0.2, 0.5, 1.0, 2.0, 4.0), "magnetic_rejection": (0.0, 10.0), "rejection_timeout": (5.0,)},
-        advice="its `Bias` corrects the gyro of a body that rests, as none does here",
+        {
+            "gain": (0.1, 0.5, 1.0),
+            "acceleration_rejection": (0.0, 10.0, 20.0),
+            "magnetic_rejection": (0.0, 10.0, 20.0),
+            "rejection_timeout": (1.0, 5.0),
+        },
+        advice="its `Bias`, which corrects the gyro at rest, is a class of its own and is not used here",
     ),
 )

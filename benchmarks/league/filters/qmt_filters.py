@@ -22,6 +22,6 @@ def _of(name: str) -> Callable[..., Rotation]:
 
 FILTERS = (
     Filter("qmt", "oriEstMadgwick", _of("oriEstMadgwick"), {"beta": (0.01, 0.03, 0.1, 0.3)}),
-    Filter("qmt", "oriEstMahony", _of("oriEstMahony"), {"Kp": (0.2, 0.74, 2.0, 5.0), "Ki": (0.0, 0.0012, 0.05, 0.3)}),
-    Filter("qmt", "oriEstIMU", _of("oriEstIMU"), {"tauAcc": (0.3, 1.0, 3.0), "tauMag": (0.3, 3.0, 10.0)}),
+    Filter("qmt", "oriEstMahony", _of("oriEstMahony"), {"Kp": (0.1, 0.3, 0.74, 2.0), "Ki": (0.0, 0.0012, 0.05, 0.3)}),
+    Filter("qmt", "oriEstIMU", _of("oriEstIMU"), {"tauAcc": (1.0, 3.0, 6.0), "tauMag": (3.0, 10.0, 30.0)}),
 )

@@ -47,7 +47,7 @@ FILTERS = (
         "scikit-kinematics",
         "Mahony",
         _stepwise(imus.Mahony),
-        {"Kp": (0.3, 1.0, 3.0), "Ki": (0.0, 0.1, 0.3)},
+        {"Kp": (0.1, 0.3, 1.0), "Ki": (0.0, 0.1)},
         advice="give an array for `Quaternion` (the default list grows), unit vectors, and an integral gain `Ki`",
     ),
     Filter(

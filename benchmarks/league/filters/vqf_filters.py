@@ -35,8 +35,8 @@ def _attitudes(given: Readings, out: Any) -> Rotation:
     return magnetic_enu(given, attitudes(out["quat9D"]))
 
 
-TIMES = {"tauAcc": (0.5, 3.0, 10.0), "tauMag": (1.0, 9.0, 30.0)}
-BIASES = {"biasClip": (2.0, 5.0)}
+TIMES = {"tauAcc": (1.0, 3.0, 6.0), "tauMag": (3.0, 9.0, 30.0)}
+BIASES = {"restBiasEstEnabled": (False, True), "motionBiasEstEnabled": (False, True)}
 FILTERS = (
     Filter("vqf", "VQF", online, TIMES | BIASES),
     Filter("vqf", "BasicVQF", basic, TIMES, advice="knows no bias of the gyro"),
