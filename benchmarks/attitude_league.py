@@ -21,6 +21,7 @@ from league import page, recordings
 from league.contender import filters, missing
 from league.tournament import play
 from lie_rigid_body.league.table import EDITION, REFERENCE, reference
+from lie_rigid_body.report.filters import draw_league
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 
@@ -34,8 +35,8 @@ def main() -> None:
     for module in missing():
         print(f"{module} is left out: its library is not installed", flush=True)
     entries, hashes, bounds = play(len(os.sched_getaffinity(0)))
-    league, real = page.reference(entries, hashes, bounds), recordings.medians()
-    parts = page.table(entries, league, real), page.advice(entries)
+    league = page.reference(entries, hashes, bounds, recordings.medians())
+    parts = page.table(entries, league), page.advice(entries)
     print(*parts, sep="\n\n")
     if not REFERENCE.exists():
         print(f"The reference set {EDITION} is made for the first time.")
@@ -44,7 +45,7 @@ def main() -> None:
     else:
         print(f"The reference set {EDITION} is made again: nothing changed.")
     if save:
-        page.picture(league, real).savefig(ROOT / "docs" / "images" / "league.png")
+        draw_league(page.plain(league), 8.5).savefig(ROOT / "docs" / "images" / "league.png", dpi=110)
         REFERENCE.write_text(
             f"{json.dumps({'edition': EDITION, **without_empty(league)}, indent=0)}\n", encoding="utf-8"
         )

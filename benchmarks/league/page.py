@@ -8,13 +8,13 @@ from importlib.metadata import version
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from league.contender import Setting
 from league.tournament import Entry
 from lie_rigid_body.evaluation.differences import Difference
-from lie_rigid_body.league.cases import CASES, FAULTY, GROUPS, RANKED, WIRING, Case
-from lie_rigid_body.league.table import BOUND, CaseResult, FilterRow, LeagueTable, angle, rank_with_ties
+from lie_rigid_body.league.cases import CASES, WIRING, Case
+from lie_rigid_body.league.table import BOUND, CaseResult, FilterRow, LeagueTable, rank_with_ties
+from lie_rigid_body.report.filters import HEADINGS, cells_of_row
 
 BEGIN: Final = "<!-- begin of the league -->"
 END: Final = "<!-- end of the league -->"
@@ -22,8 +22,6 @@ DIGITS: Final = 4
 """Significant digits of a number in the file; each machine has others beyond the tenth."""
 TUNED: Final = "tuned"
 """Setting of the rows with what is advised."""
-Real = Mapping[str, float]
-"""Median error of rows on real recordings, degrees, by their names."""
 
 
 def row_of(entry: Entry, *, tuned: bool) -> FilterRow:
@@ -40,12 +38,16 @@ def row_of(entry: Entry, *, tuned: bool) -> FilterRow:
     )
 
 
-def reference(entries: Sequence[Entry], hashes: Mapping[Case, str], bounds: Mapping[str, float]) -> LeagueTable:
+def reference(
+    entries: Sequence[Entry], hashes: Mapping[Case, str], bounds: Mapping[str, float], real: Mapping[str, float]
+) -> LeagueTable:
     """The reference set: a row at the defaults of each filter, and one with what is advised where something is."""
     rows = [row_of(entry, tuned=False) for entry in entries]
     rows += [row_of(entry, tuned=True) for entry in entries if entry.advice]
     floors = {name: short(value) for name, value in bounds.items()}
-    return LeagueTable((), {str(case): hashes[case] for case in CASES}, floors).with_rows(rows)
+    names = {row.name for row in rows}
+    real = {name: value for name, value in real.items() if name in names}
+    return LeagueTable((), {str(case): hashes[case] for case in CASES}, floors, real).with_rows(rows)
 
 
 def rounded(errors: CaseResult) -> CaseResult:
@@ -59,39 +61,32 @@ def short(value: float) -> float:
     return float(f"{round(value, 6):.{DIGITS}g}")
 
 
-def table(entries: Sequence[Entry], league: LeagueTable, real: Real) -> str:
-    """One line for each filter, the best at the defaults first."""
+def table(entries: Sequence[Entry], league: LeagueTable) -> str:
+    """One line for each filter, the best at the defaults first, with the errors at the settings that are advised."""
     rows = {row.name: row for row in league.rows}
-    head = ["filter", "rank", "overall", *GROUPS, *(["real"] if real else [])]
-    head += ["heading", "inclination", "settles [s]", "faults", "perfect", "lost", "µs"]
-    lines = [head, ["---"] * len(head)]
-    defaults = LeagueTable((), league.readings, league.bound_deg).with_rows(
-        row for row in league.rows if row.setting != TUNED
-    )
+    defaults = plain(league)
     by_name = {entry.filter.full_name: entry for entry in entries}
+    lines = [[*HEADINGS, "µs"], ["---"] * (len(HEADINGS) + 1)]
     for row in defaults.rows:
         entry = by_name[row.filter]
-        best = rows.get(f"{row.filter}, {TUNED}", row)
-        cells = [both(row.overall_deg, best.overall_deg)]
-        cells += [both(row.group_deg(group), best.group_deg(group)) for group in GROUPS]
-        if real:
-            cells.append(both(real[row.name], real.get(best.name, real[row.name])))
-        cells += [angle(row.median(RANKED, what)) for what in ("heading_deg", "inclination_deg")]
-        settles = row.median(RANKED, "converged_s")
-        cells.append(f"{settles:.2g}" if np.isfinite(settles) else "never")
-        cells += [both(row.median(FAULTY), best.median(FAULTY)), angle(row.results[str(WIRING)].total_deg)]
+        cells = cells_of_row(defaults, row)
+        best = rows.get(f"{row.filter}, {TUNED}")
+        if best:
+            cells = [
+                one if one == other else f"{one} → {other}"
+                for one, other in zip(cells, cells_of_row(league, best), strict=True)
+            ]
         cost = float(np.nanmedian([each.cost for each in entry.defaults.values()]))
-        cells += [str(row.lost or ""), f"{cost:.2g}" if cost < 10.0 else f"{cost:.0f}"]
         name = f"{entry.filter.library} `{entry.filter.name}`" + " *" * row.sees_future
-        lines.append([name, rank_with_ties(defaults, row), *cells])
-    bound = [angle(each) for each in (league.bound.overall_deg, *map(league.bound.group_deg, GROUPS))]
-    lines.append([f"**{BOUND}**", "", *bound, *[""] * (len(head) - len(bound) - 2)])
+        rank = rank_with_ties(defaults, row)
+        lines.append([name, rank, *cells[2:], f"{cost:.2g}" if cost < 10.0 else f"{cost:.0f}"])
+    lines.append([f"**{BOUND}**", *cells_of_row(league, league.bound)[1:], ""])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def both(default: float, tuned: float) -> str:
-    """The error at the defaults, and with what is advised if it is another."""
-    return angle(default) if angle(default) == angle(tuned) else f"{angle(default)} → {angle(tuned)}"
+def plain(league: LeagueTable) -> LeagueTable:
+    """The rows at the defaults of their libraries."""
+    return replace(league, rows=tuple(row for row in league.rows if row.setting != TUNED))
 
 
 def advice(entries: Sequence[Entry]) -> str:
@@ -126,37 +121,6 @@ def replaced(page: str, *parts: str) -> str:
     before, rest = page.split(BEGIN)
     _, after = rest.split(END)
     return "\n\n".join([f"{before}{BEGIN}", *parts, f"{END}{after}"])
-
-
-def picture(league: LeagueTable, real: Real) -> Figure:
-    """Error of each filter at the defaults in each group, and on real recordings, the best first."""
-    rows = [row for row in league.rows if row.setting != TUNED]
-    places = np.arange(len(rows))
-    figure = Figure(figsize=(8.5, 0.26 * len(rows) + 1.4), dpi=110, layout="constrained")
-    axes = figure.subplots()
-    of_groups = np.array([[*map(row.group_deg, GROUPS)] for row in rows])
-    axes.hlines(places, of_groups.min(axis=1), of_groups.max(axis=1), color="#cccccc", lw=2, zorder=1)
-    for group, colour, marker in zip(GROUPS, ("#0072b2", "#009e73", "#e69f00", "#cc79a7"), "osD^", strict=True):
-        axes.scatter(
-            [row.group_deg(group) for row in rows], places, c=colour, marker=marker, s=22, label=group, zorder=2
-        )
-    axes.scatter([row.overall_deg for row in rows], places, c="black", marker="|", s=90, label="overall", zorder=3)
-    if real:
-        axes.scatter(
-            [real[row.name] for row in rows],
-            places,
-            c="#d55e00",
-            marker="x",
-            s=34,
-            label="ten real recordings",
-            zorder=4,
-        )
-    axes.axvline(league.bound.overall_deg, color="#888888", ls=":", label=BOUND)
-    axes.set_yticks(places, [row.filter + " *" * row.sees_future for row in rows], fontsize=8)
-    axes.set(xscale="log", xlabel="RMS of the total error at the library's defaults, °", ylim=(len(rows) - 0.4, -0.6))
-    axes.grid(axis="x", which="both", lw=0.3)
-    axes.legend(loc="lower left", fontsize=8, framealpha=0.95)
-    return figure
 
 
 def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> Sequence[str]:

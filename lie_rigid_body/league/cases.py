@@ -53,7 +53,7 @@ MOTIONS: Final = {
     ("disturbed", "slow"): Motion(3.7, 0.75, 1.5, (0.4, 2.5)),
     ("disturbed", "fast"): Motion(8.5, 0.4, 4.6, (0.6, 3.7)),
 }
-"""By group and speed. Of slow combined motions there is no recording: the rate is that of slow rotations, the
+"""Motions by group and speed. Of slow combined motions there is no recording: the rate is that of slow rotations, the
 acceleration that of slow translations."""
 MAGNETS: Final = {("disturbed", "slow"): "attached_magnet", ("disturbed", "fast"): "passing_magnet"}
 """Files in ``config/league`` that groups have beside."""

@@ -41,7 +41,7 @@ class Constant(NamedTuple):
 
     @property
     def message(self) -> str:
-        """What is wrong, a sentence without a full stop."""
+        """Sentence about what is wrong, without a full stop."""
         return BY_CODE[self.code].fact(np.array(self.values))
 
     def left(self, track: Matched) -> float:

@@ -27,7 +27,7 @@ REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
 
 _ROWS_FILE: Final = "a file that 'league --json' writes"
 _FOLLOWING: Final = ("name", "median_deg", "overall", "rank", "tied")
-"""What a file has of a row beside its fields."""
+"""Names of the values in a file that follow from the others."""
 _ALWAYS_KNOWN: Final = {"total_deg", "heading_deg", "inclination_deg"}
 """Errors that each case has; the others may be None."""
 BOUND: Final = "Cramér–Rao bound"
@@ -216,11 +216,14 @@ class LeagueTable:
         Hash of the readings of each case.
     bound_deg : mapping of str to float
         Cramér–Rao bound of the RMS error of filters that do not know the dynamics, in each case with errors, degrees.
+    real_deg : mapping of str to float
+        Median of the RMS errors of rows on real recordings, degrees, by their names.
     """
 
     rows: tuple[FilterRow, ...]
     readings: Mapping[str, str]
     bound_deg: Mapping[str, float]
+    real_deg: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def bound(self) -> FilterRow:
@@ -306,9 +309,8 @@ def rows_of(path: str | Path) -> list[FilterRow]:
 def reference() -> LeagueTable:
     """The reference set: filters of other libraries at their defaults, and at the best of a grid for each grade."""
     content = json.loads(REFERENCE.read_text(encoding="utf-8"))
-    return LeagueTable((), content["readings"], content["bound_deg"]).with_rows(
-        map(FilterRow.from_json, content["rows"])
-    )
+    rows = map(FilterRow.from_json, content["rows"])
+    return LeagueTable((), content["readings"], content["bound_deg"], content["real_deg"]).with_rows(rows)
 
 
 def angle(error_deg: float) -> str:

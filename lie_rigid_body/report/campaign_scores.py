@@ -169,9 +169,9 @@ def _of_grid(one: EstimatorSummary) -> Iterator[str]:
     others = [point.difference for point in one.points if point.difference]
     if not all(np.isnan(each.mean_deg) for each in one.points):
         shown = sum(each.is_shown for each in others)
-        best = f"{json.dumps(one.entry.parameters)} has the least mean error of {points} in the runs of even number"
+        best = f"{json.dumps(one.entry.parameters)} has the least geometric mean of errors of {points} in even runs"
         than = f"shown to be better than {shown} of the others" if shown else "no point is shown to be better"
-        yield f"{one.name}: {best}; {than}; it is scored on the odd ones."
+        yield f"{one.name}: {best}; {than}; it is scored on odd ones."
         yield from _at_the_edge(one)
     if lost := [each for each in one.points if each.failures]:
         yield f"{one.name}: {len(lost)} of {points} failed in runs of even number, first: {lost[0].reason}"
@@ -270,7 +270,7 @@ def _scale(axes: Axes) -> None:
 
 
 def _grid(one: EstimatorSummary) -> str:
-    """Mean error of each point of a grid over its first parameter, a line for each choice of the others."""
+    """Geometric mean error of each point of a grid over its first parameter, a line for each choice of the others."""
     best = json.dumps(one.entry.parameters)
     caption = f"RMS of the total error on the runs of even number. The best point: {best}."
     return plane(f"Grid of {one.name}", partial(_draw_grid, one=one), caption)
@@ -287,7 +287,7 @@ def _draw_grid(axes: Axes, one: EstimatorSummary) -> None:
     for (key, means), colour in zip(lines.items(), cycle(DISTINCT), strict=False):
         values, errors = zip(*means, strict=True)
         axes.plot(values, errors, "o-" if are_numbers else "o", color=colour, label=label(key or one.name))
-    axes.set(xlabel=label(name), ylabel="mean total error, °")
+    axes.set(xlabel=label(name), ylabel="geometric mean of errors, °")
     _scale(axes)
 
 

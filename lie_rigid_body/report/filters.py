@@ -11,19 +11,22 @@ import numpy as np
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.filter_diagnosis import degrees
 from lie_rigid_body.foundation.wording import counted
-from lie_rigid_body.league import CASES, EDITION, FilterRow, LeagueTable, standing
+from lie_rigid_body.league import EDITION, FilterRow, LeagueTable, standing
 from lie_rigid_body.league.cases import FAULTY, GROUPS, RANKED, SETTLED_S, WIRING
 from lie_rigid_body.league.table import angle, rank_with_ties
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE, finish
-from lie_rigid_body.report.html_page import escaped
+from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE, PINK, finish
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_OF_GROUPS: Final = ("filter", "rank", "overall", *GROUPS)
-_BESIDE: Final = ("heading", "inclination", "settles, s", "faults", "perfect", "lost")
+HEADINGS: Final = (
+    *("filter", "rank", "overall"),
+    *GROUPS,
+    *("real", "heading", "inclination", "settles [s]", "faults", "perfect", "lost"),
+)
+"""Columns of the league."""
 
 
 def parts_of_diagnosis(found: FilterDiagnosis) -> Parts:
@@ -98,32 +101,34 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
                 "geometric means over MEMS and tactical sensors. Filters are ranked by the geometric mean over the "
                 "groups; in brackets are the ranks between which no difference is shown, by pairs of cases. "
                 f"Edition {EDITION}.",
-                "A star marks filters that see later readings. Filters that do not follow perfect sensors stand last.",
+                "A star marks filters that see later readings. Filters that do not follow perfect sensors stand last. "
+                "Real is the median over ten real recordings of the data set BROAD.",
             ]
         ),
         Table(
-            (*_OF_GROUPS, *_BESIDE),
+            HEADINGS,
             [
                 ("> " * (number in marked) + name, *cells)
-                for number, (name, *cells) in enumerate(_cells_of_row(table, row) for row in rows)
+                for number, (name, *cells) in enumerate(cells_of_row(table, row) for row in rows)
             ],
             marked=marked,
         ),
-        Picture(lambda: f"<h2>Every case</h2>{_heat_map(table)}"),
+        Picture(lambda: html_page.picture(lambda width: draw_league(table, width))),
     ]
 
 
-def _cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
+def cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
     """Cells of a row; a star marks filters that see later readings, and the bound has no rank."""
-    others = [row.median(RANKED, what) for what in ("heading_deg", "inclination_deg")]
-    cells = map(angle, (row.overall_deg, *map(row.group_deg, GROUPS), *others))
+    of_groups = map(angle, (row.overall_deg, *map(row.group_deg, GROUPS)))
     if row not in table.rows:
-        return [row.name, "", *cells, "", "", "", ""]
+        return [row.name, "", *of_groups, *[""] * 7]
     settles_s = row.median(RANKED, "converged_s")
     return [
         row.name + " *" * row.sees_future,
         rank_with_ties(table, row),
-        *cells,
+        *of_groups,
+        angle(table.real_deg[row.name]) if row.name in table.real_deg else "",
+        *(angle(row.median(RANKED, what)) for what in ("heading_deg", "inclination_deg")),
         f"{settles_s:.2g}" if np.isfinite(settles_s) else "never",
         angle(row.median(FAULTY)),
         angle(row.results[str(WIRING)].total_deg),
@@ -131,17 +136,21 @@ def _cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
     ]
 
 
-def _heat_map(table: LeagueTable) -> str:
-    """A table of all errors, each cell in a shade of its size."""
-    cases = "".join(f'<th class="case"><span>{case}</span></th>' for case in CASES)
-    body = "".join(
-        f"<tr><td>{escaped(row.name)}</td>{''.join(_shaded(row.results[str(case)].total_deg) for case in CASES)}</tr>"
-        for row in table.rows
-    )
-    head = f"<thead><tr><th></th>{cases}</tr></thead>"
-    return f'<div class="table heat"><table>{head}<tbody>{body}</tbody></table></div>'
+def draw_league(table: LeagueTable, width: float) -> Figure:
+    """Error of each row in each group, the best first, and on real recordings."""
+    from matplotlib.figure import Figure
 
-
-def _shaded(error_deg: float) -> str:
-    share = float(np.clip(np.log10(max(error_deg, 1e-3) / 0.03) / np.log10(180.0 / 0.03), 0.0, 1.0))
-    return f'<td style="background: hsl({220 - 200 * share:.0f} 70% {96 - 36 * share:.0f}%)">{angle(error_deg)}</td>'
+    rows, places = table.rows, np.arange(len(table.rows))
+    of_groups = np.array([[*map(row.group_deg, GROUPS)] for row in rows]).reshape(-1, len(GROUPS))
+    real = [table.real_deg.get(row.name, np.nan) for row in rows]
+    figure = Figure(figsize=(width, 0.22 * len(rows) + 1.2), layout="constrained")
+    axes = figure.subplots()
+    axes.hlines(places, of_groups.min(axis=1), of_groups.max(axis=1), color="#cccccc")
+    for errors, colour, group in zip(of_groups.T, (BLUE, GREEN, ORANGE, PINK), GROUPS, strict=True):
+        axes.scatter(errors, places, s=16, color=colour, label=group)
+    axes.scatter([row.overall_deg for row in rows], places, marker="|", color=BLACK, s=60, label="overall")
+    axes.scatter(real, places, marker="x", color=BLACK, s=22, label="real recordings")
+    axes.set_yticks(places, [row.name for row in rows], fontsize=7)
+    axes.set(xscale="log", xlabel="RMS of the total error, °", ylim=(len(rows) - 0.4, -0.6))
+    finish(axes, 3)
+    return figure

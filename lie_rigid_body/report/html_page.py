@@ -33,10 +33,6 @@ th:first-child, td:first-child, td:nth-child(2):last-child { text-align: left; }
 td { font-variant-numeric: tabular-nums; }
 tr.broken td { background: var(--bad); }
 .table { overflow-x: auto; }
-.heat td { padding: 0.1rem 0.3rem; font-size: 0.8rem; border: 0; } .heat td:first-child { white-space: nowrap; }
-.heat td:not(:first-child) { color: #222; } /* on light colours, in the dark as well */
-.heat th { padding: 0.1rem; font-size: 0.8rem; font-weight: normal; vertical-align: bottom; }
-.heat th span { writing-mode: vertical-rl; transform: rotate(180deg); }
 .badge { display: inline-block; padding: 0.2rem 0.8rem; border-radius: 0.4rem; color: white; }
 .badge.passed { background: #0a7a55; } .badge.broken { background: #b3261e; }
 li { margin: 0.5rem 0; overflow-wrap: anywhere; } code { background: var(--soft); padding: 0 0.3rem; }

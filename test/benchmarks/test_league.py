@@ -20,6 +20,7 @@ from lie_rigid_body.evaluation import attitude_error
 from lie_rigid_body.league import cases, playing
 from lie_rigid_body.league.cases import CASES, RANKED, WIRING, Case
 from lie_rigid_body.league.table import CaseResult, reference
+from lie_rigid_body.report.filters import draw_league
 
 MEMS = Case("rotation", "fast", rests=False, grade="mems")
 
@@ -110,17 +111,18 @@ def entry_of(name: str, error: float, *, sees_future: bool = False) -> Entry:
 def test_the_page_ranks_and_marks() -> None:
     entries = [entry_of("bad", 9.0), entry_of("good", 0.5, sees_future=True)]
     hashes, bounds = dict.fromkeys(CASES, "0"), {str(case): 0.1 for case in CASES}
-    league = page.reference(entries, hashes, bounds)
+    league = page.reference(entries, hashes, bounds, {"ahrs good": 1.5, "ahrs bad": 3.0, "none": 1.0})
     assert [(row.filter, row.sees_future) for row in league.rows] == [("ahrs good", True), ("ahrs bad", False)]
     assert [row.overall_deg for row in league.rows] == pytest.approx([0.5, 9.0])
-    table = page.table(entries, league, {"ahrs good": 1.5, "ahrs bad": 3.0})
+    assert league.real_deg == {"ahrs good": 1.5, "ahrs bad": 3.0}
+    table = page.table(entries, league)
     assert "| ahrs `good` * | 1 | 0.5 | 0.5 | 0.5 | 0.5 | 0.5 | 1.5 |" in table
     assert table.index("good") < table.index("bad")
     text = page.replaced(f"a\n{page.BEGIN}\nold\n{page.END}\nb", table)
     assert (text.startswith("a\n"), text.endswith("\nb"), "old" in text) == (True, True, False)
-    assert page.picture(league, {"ahrs good": 1.5, "ahrs bad": 3.0}).axes
+    assert draw_league(page.plain(league), 8.0).axes
     assert page.change(league, league) == []
-    worse = page.reference([entries[0], entry_of("good", 0.6)], hashes, bounds)
+    worse = page.reference([entries[0], entry_of("good", 0.6)], hashes, bounds, {})
     assert len(page.change(league, worse)) == len(CASES)
 
 
