@@ -27,7 +27,7 @@ help:
 	@echo "make lint         check style and types"
 	@echo "make docs         build the site of docs/ and of the docstrings into build/docs"
 	@echo "make bench        run beside other software    ARGS=--save also writes the pictures and tables of docs/"
-	@echo "make league       score attitude filters of PyPI, half an hour    ARGS=--save also writes docs/reference/league.md"
+	@echo "make league       score attitude filters of PyPI, over an hour    ARGS=--save also writes docs/reference/league.md"
 	@echo "make clean        remove environments, caches and build folders"
 
 sim:

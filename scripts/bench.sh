@@ -15,7 +15,7 @@ case $kind in
   --save   also write the pictures of docs/images and the tables of docs/benchmarks.md' ;;
     league)
         benchmarks=attitude_league
-        about='Score every attitude filter over every case, half an hour, and print the table.
+        about='Score every attitude filter over every case, over an hour, and print the table. Results are kept: it may be stopped.
   --save   also write the table and the picture of docs/, and the reference rows of the verb league' ;;
     *)
         echo "bench.sh: unknown kind '$kind'" >&2

@@ -338,8 +338,8 @@ def standing(table: LeagueTable, row: FilterRow) -> str:
             f"{of_runs(row.of(RANKED), other.of(RANKED)).sentence(row.name, other.name)}."
             for other in table.nearest_other(row)
         ),
-        f"{row.constant}: without this constant its error is {angle(row.overall('without_constant_deg'))}°, and it is "
-        f"number {table.rank_without_constant(row)}."
+        f"{row.constant}. Without this constant its error is {angle(row.overall('without_constant_deg'))}°, and it "
+        f"would be number {table.rank_without_constant(row)}."
         if row.explained
         else "",
         f"With perfect sensors its error is {angle(row.results[str(WIRING)].total_deg)}°: its wiring is in doubt, so "
