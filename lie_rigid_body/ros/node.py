@@ -107,7 +107,6 @@ class SimulatorNode(Node):
             keep_all=values["real_time_factor"] == 0.0 or in_lockstep,
             imu_last=in_lockstep,
         )
-        self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
         self.sinks: list[Sink] = [self.publisher, self._diagnostics]
         if marker_rate := values["marker_rate"]:
@@ -148,7 +147,6 @@ class SimulatorNode(Node):
             for change in changes:
                 if change.name == "real_time_factor":
                     run.ask(run.change_factor, change.value)
-                    self.publisher.set_factor(change.value)
 
         self.add_post_set_parameters_callback(change_factor)
         offer_triggers(self, run, self.parameters.scenario)

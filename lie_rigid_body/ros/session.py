@@ -6,6 +6,7 @@ waits for the other callbacks that are ready. Nor does rclpy handle the signals:
 
 from __future__ import annotations
 
+import os
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -65,6 +66,8 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
         If ROS does not understand them.
     """
     _require_short_name(arguments)
+    # Fast DDS sends in a thread of its own: else a subscriber that is frozen holds a publisher up for two seconds
+    os.environ.setdefault("RMW_FASTRTPS_PUBLICATION_MODE", "ASYNCHRONOUS")
     with translated_errors(" ".join(arguments) or "to start"):
         # what rcl logs of bad arguments is in the exception as well
         set_logger_level(_RCL, LoggingSeverity.FATAL)
