@@ -10,6 +10,7 @@ import reprlib
 import sys
 from collections.abc import Collection, Iterable, Mapping
 from itertools import islice
+from pathlib import Path
 from typing import Any, Final
 
 MAX_LINE: Final = 200
@@ -22,6 +23,7 @@ MAX_NAMES: Final = 5
 """Largest number of names listed in a line."""
 
 _GAP: Final = "..."
+_PACKAGE: Final = "lie_rigid_body"
 _MAX_NUMBERS: Final = 7
 
 
@@ -163,6 +165,16 @@ def suggestion(name: str, known: Collection[str], kind: str) -> str:
     """
     near = difflib.get_close_matches(name[:MAX_VALUE], known, n=3)
     return f"did you mean {' or '.join(near)}?" if near else f"the {kind} are {listed(known)}"
+
+
+def program(verb: str) -> str:
+    """The command of a verb: an executable of its own where ROS 2 installed this one, else one of ``lie-rigid-body``.
+
+    ROS 2 has executables in ``lib/lie_rigid_body``, where ``python -m lie_rigid_body`` has its ``__main__.py``.
+    """
+    this = Path(sys.argv[0])
+    of_ros = this.parent.name == _PACKAGE and this.suffix != ".py"
+    return f"ros2 run {_PACKAGE} {verb}" if of_ros else f"lie-rigid-body {verb}"
 
 
 def call_repr(instance: object, arguments: Mapping[str, object]) -> str:

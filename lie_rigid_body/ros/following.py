@@ -18,6 +18,7 @@ from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.ros.installation import how_to_install
 from lie_rigid_body.ros.session import message_class, translated_errors
 
 ESTIMATE: Final = "estimate"
@@ -229,8 +230,7 @@ def subscribe(node: Node, topic: str, kind: str) -> Subscription:
     except ImportError:
         package, _, name = kind.split("/")
         raise InputError(
-            f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
-            f"ros-jazzy-{package.replace('_', '-')}"
+            f"topic {topic} is of {package}/{name}: {package} is not installed: {how_to_install(package)}"
         ) from None
     with translated_errors(f"to listen to {topic}"):
         return node.create_subscription(

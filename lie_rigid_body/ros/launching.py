@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.recording.poses import with_path
+from lie_rigid_body.ros.installation import how_to_install
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
@@ -73,10 +74,9 @@ def require_executables(*wanted: tuple[str, str]) -> None:
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     for package, executable in wanted:
         if not any(os.access(Path(prefix, "lib", package, executable), os.X_OK) for prefix in prefixes):
-            distribution = os.environ.get("ROS_DISTRO", "jazzy")
             raise InputError(
                 f"{executable} of the package {package} is not there: nothing was started; source its workspace, or "
-                f"apt install ros-{distribution}-{package.replace('_', '-')}"
+                f"{how_to_install(package)}"
             )
 
 
