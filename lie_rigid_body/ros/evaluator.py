@@ -48,6 +48,8 @@ GRAPH_S: Final = (0.25, 2.0)
 """Time between two searches for topics, s, before and after the comparison has begun."""
 WORD_S: Final = (5.0, 30.0)
 """Time until the first line about what is missing, and between two later lines, s."""
+LAST_POSE_S: Final = 5.0
+"""Longest wait for the poses up to the end of the last estimate, which come on another topic, s."""
 ERROR_TOPIC: Final = "~/error"
 ERRORS_KEPT: Final = 1000
 INTERVAL_S: Final = 1.0
@@ -208,6 +210,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
     word_at = time.monotonic() + WORD_S[0]
     _say(f"{node.get_fully_qualified_name()} waits for {following.estimate}; Ctrl-C ends it")
     was_still = False
+    complete_at = np.inf
     while True:
         requested = interruption.requested  # what came before it is in the score
         now = time.monotonic()
@@ -240,7 +243,9 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         if requested:
             return live is not None and live.messages > 0
         if live is not None and live.is_complete:
-            return True
+            complete_at = min(complete_at, now)
+            if live.has_its_truth or now - complete_at > LAST_POSE_S:
+                return True
         if given.wait and now - compared_at > given.wait:
             return True
         time.sleep(TICK_S)
