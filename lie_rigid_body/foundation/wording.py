@@ -149,6 +149,11 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+def snake_case(name: str) -> str:
+    """A name in snake case: ``GetEntities`` as ``get_entities``."""
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
+
+
 def suggestion(name: str, known: Collection[str], kind: str) -> str:
     """A hint for an unknown name: the known names most like it, or else the first of all.
 

@@ -35,7 +35,7 @@ from lie_rigid_body.report.score_options import answer
 from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
-from lie_rigid_body.ros.session import OF_EVERY_NODE, own_node, require_distinct
+from lie_rigid_body.ros.session import OF_EVERY_NODE, listening, own_node, require_distinct
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import Interruption
 
@@ -174,13 +174,13 @@ class Scores:
 
 def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     """Follow the topics of a command line; return the exit status, as `ros.evaluate.main` tells it."""
-    with own_node(EVALUATOR_NAME, given.ros) as node:
+    with own_node(EVALUATOR_NAME, given.ros) as node, listening(node) as spin:
         _override(given, overrides(node))
         limits = Limits.parse(given.max_rms, tuple(given.max_after))
         axes = given.covariance_axes
         require_axes(axes)
         begin = partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=axes)
-        following = Following(node, begin)
+        following = Following(node, spin, begin)
         complete = _follow(node, following, given, interruption)
         missing = following.silence()
     return _score(given, following, missing, complete)

@@ -82,7 +82,9 @@ class SimulatorNode(Node):
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         with translated_errors("this node"):
-            super().__init__(NODE_NAME, start_parameter_services=False)
+            super().__init__(
+                NODE_NAME, start_parameter_services=False, automatically_declare_parameters_from_overrides=True
+            )
         try:
             self._furnish(given)
         except BaseException:
