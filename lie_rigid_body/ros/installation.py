@@ -48,7 +48,7 @@ def how_to_install(package: str) -> str:
     """Remedy for a package of ROS that is missing: by apt, for the distribution that is sourced, if one is."""
     if distribution := os.environ.get("ROS_DISTRO"):
         return f"apt install ros-{distribution}-{package.replace('_', '-')}"
-    return "source /opt/ros/DISTRIBUTION/setup.bash; without it, on Python 3.12, pip install '.[ros]'"
+    return "source /opt/ros/DISTRIBUTION/setup.bash; without it, on Python 3.12 to 3.14, pip install '.[ros]'"
 
 
 def require_environment() -> None:
