@@ -300,8 +300,16 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, obj
 
 
 _Loader.yaml_implicit_resolvers = {}
+
+
+def _construct_list(loader: _Loader, node: yaml.SequenceNode) -> list[object]:
+    """A list as launch_ros writes it."""
+    return loader.construct_sequence(node, deep=True)
+
+
 _Loader.add_constructor(_TEXT, _construct_scalar)
 _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
+_Loader.add_constructor("tag:yaml.org,2002:python/tuple", _construct_list)
 
 
 def _sections(content: Mapping[str, object], name: str, source: str) -> Iterator[tuple[str, Mapping[str, object]]]:
