@@ -14,7 +14,7 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim quick test test-slow test-oldest words fuzz lint docs bench league clean
+.PHONY: help sim quick test test-slow test-oldest test-kilted words fuzz lint docs bench league clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
@@ -22,6 +22,7 @@ help:
 	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
 	@echo "make test-slow    the tests that make test leaves out as too long, some minutes"
 	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
+	@echo "make test-kilted  the tests of the node with the client library of ROS 2 Kilted, on Python 3.13 or 3.14"
 	@echo "make words        write what the package says into test/words/words.txt anew, for a review to show"
 	@echo "make fuzz         mutated files into every verb, ten minutes    ARGS='--minutes 60'; failing ones stay in test/fuzzed"
 	@echo "make lint         check style and types"
@@ -45,6 +46,9 @@ test-slow:
 test-oldest:
 	@exec scripts/test.sh oldest $(ARGS)
 
+test-kilted:
+	@exec scripts/test.sh kilted $(ARGS)
+
 words:
 	@exec scripts/test.sh newest --write-words test/words -n 0 $(ARGS)
 
@@ -64,6 +68,6 @@ league:
 	@exec scripts/bench.sh league $(ARGS)
 
 clean:
-	rm -rf .venv .venv-headless .venv-oldest .venv-docs .venv-bench .venv-league .cache build install log dist *.egg-info
+	rm -rf .venv .venv-headless .venv-oldest .venv-kilted .venv-docs .venv-bench .venv-league .cache build install log dist *.egg-info
 	rm -rf .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -49,7 +49,9 @@ REQUIRES = [
     "tqdm>=4.66",
     "zstandard>=0.22",
 ]
-ROS_WHEELS_EXIST = "; python_version == '3.12' and sys_platform == 'linux'"
+# rclpy of Jazzy has wheels for Python 3.12, that of Kilted for 3.12 to 3.14.
+JAZZY_HAS_WHEELS = "; python_version == '3.12' and sys_platform == 'linux'"
+KILTED_HAS_WHEELS = "; python_version in '3.13 3.14' and sys_platform == 'linux'"
 # Exact, so that a table of docs/benchmarks.md can be made again. Of Drake and DART these are the last wheels for Python
 # 3.10 and 3.11, which PyBullet has wheels for; elsewhere it has to be compiled, which takes very long.
 PYBULLET_WHEELS_EXIST = "; python_version < '3.12' and sys_platform == 'linux' and platform_machine == 'x86_64'"
@@ -74,8 +76,10 @@ EXTRAS = {
     # make league: every attitude filter of PyPI that takes gyro, accelerometer and magnetometer
     "league": ["ahrs", "filterpy", "gtsam", "imufusion", "qmt", "scikit-kinematics", "vqf"],
     "ros": [
-        f"ros-rclpy[fastrtps]==7.1.6{ROS_WHEELS_EXIST}",
-        f"ros-common-interfaces==5.3.6{ROS_WHEELS_EXIST}",
+        f"ros-rclpy[fastrtps]==7.1.6{JAZZY_HAS_WHEELS}",
+        f"ros-common-interfaces==5.3.6{JAZZY_HAS_WHEELS}",
+        f"ros-rclpy[fastrtps]==9.1.2{KILTED_HAS_WHEELS}",
+        f"ros-common-interfaces==5.5.1{KILTED_HAS_WHEELS}",
     ],
     # Long integrations run compiled, to the same bits. It comes after each release of Python and NumPy with some delay.
     "fast": ["numba>=0.58"],

@@ -16,78 +16,58 @@
 
 Each is a node in a namespace of its own, with frames of its own: two bodies that both called themselves base_link would
 quarrel in /tf. The mass centre of each is the origin of its own world, as a/world. The frame `world` is their common
-parent, in which they stand side by side, so that one sees them all. Parameters of the node are arguments, for all
-bodies: rate:=200.0.
+parent, in which they stand side by side. Parameters of the node are arguments, for all bodies: rate:=200.0.
 """
-
-from __future__ import annotations
 
 import re
 import tempfile
 from copy import deepcopy
-from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import yaml
-from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
-from launch.substitutions import LaunchConfiguration
+from launch.actions import Shutdown
 from launch_ros.actions import Node
 
 from lie_rigid_body.ros import launching
 
-PACKAGE = "lie_rigid_body"
 ARGUMENTS = {
     "bodies": ("a:dzhanibekov,b:symmetric_top", "the bodies: NAME:SCENARIO,...; NAME alone has the node's defaults"),
     "params_file": ("", "a ROS 2 parameter file for all of them; in it, sections tell them apart: /a/lie_rigid_body"),
     "spacing": ("2.5", "from one body to the next along x, m"),
+    "record": ("false", "each node also writes an MCAP file, in the present folder, named after its body and the time"),
+    "rviz": ("false", "start RViz as well; it is in the package rviz2"),
 }
-SWITCHES = {
-    "record": "each node also writes an MCAP file, in the present folder, named after its body and the time",
-    "rviz": "start RViz as well; it is in the package rviz2",
-}
-RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid_body.rviz"
-TRANSFORM = ("tf2_ros", "static_transform_publisher")
-OF_EACH_BODY = ("/markers", "/pose")
 OF_ONE_NODE = {*launching.frames(), "record_path", "publish_clock"}
-PARAMETERS = {name: text for name, text in launching.descriptions().items() if name not in OF_ONE_NODE}
+PLACE = ("tf2_ros", "static_transform_publisher")
+RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid_body.rviz"
 
 
-def generate_launch_description() -> LaunchDescription:
+def generate_launch_description():
     """Describe the launch."""
-    texts = {**ARGUMENTS, **{name: ("", text) for name, text in PARAMETERS.items()}}
-    given = [
-        DeclareLaunchArgument(name, default_value=default, description=text) for name, (default, text) in texts.items()
-    ]
-    switches = [
-        DeclareLaunchArgument(name, default_value="false", description=text, choices=["true", "false"])
-        for name, text in SWITCHES.items()
-    ]
-    return LaunchDescription([*given, *switches, OpaqueFunction(function=nodes)])
+    return launching.description(__file__, ARGUMENTS, nodes, launching.descriptions().keys() - OF_ONE_NODE)
 
 
-def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes of all bodies, and of the view, once all that they need is found."""
-    known = (*ARGUMENTS, *SWITCHES, *PARAMETERS)
-    launching.require_known(__file__, context.argv, known)
-    given = {name: LaunchConfiguration(name).perform(context) for name in known}
-    bodies = {name: words(name, scenario, given) for name, scenario in named_scenarios(given["bodies"]).items()}
-    for name, arguments in bodies.items():
-        launching.scenario_of_node(arguments, PACKAGE, name)  # or its refusal
+def nodes(given):
+    """Return the node of each body, its place in the common world, and RViz. When one ends, so does the rest."""
+    bodies = {name: settings(name, scenario, given) for name, scenario in named_scenarios(given["bodies"]).items()}
     spacing = metres("spacing", given["spacing"])
     with_rviz = given["rviz"] == "true"
-    launching.require_executables((PACKAGE, "sim"), TRANSFORM, *([("rviz2", "rviz2")] if with_rviz else []))
-    return [
-        *(simulator(name, arguments) for name, arguments in bodies.items()),
-        *(place(name, number * spacing) for number, name in enumerate(bodies)),
-        *([rviz(list(bodies))] if with_rviz else []),
-    ]
+    launching.require_executables(("lie_rigid_body", "sim"), PLACE, *([("rviz2", "rviz2")] if with_rviz else []))
+    found = []
+    for number, (name, of_body) in enumerate(bodies.items()):
+        place = ["--x", str(number * spacing), "--frame-id", "world", "--child-frame-id", f"{name}/world"]
+        of_place = {"package": PLACE[0], "executable": PLACE[1], "name": "place", "namespace": name, "arguments": place}
+        ended = Shutdown(reason=f"a part of {name} ended")
+        found += [Node(**of_body, output="screen", on_exit=ended), Node(**of_place, on_exit=ended)]
+    if with_rviz:
+        arguments, on_exit = ["--display-config", view_of(bodies)], launching.shut_down_if_failed
+        found.append(Node(package="rviz2", executable="rviz2", arguments=arguments, on_exit=on_exit))
+    return found
 
 
-def named_scenarios(text: str) -> dict[str, str]:
+def named_scenarios(text):
     """Return the scenario of every body, by the body's name."""
-    found: dict[str, str] = {}
+    found = {}
     for entry in text.split(","):
         name, _, scenario = entry.strip().partition(":")
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or name in found:
@@ -99,7 +79,7 @@ def named_scenarios(text: str) -> dict[str, str]:
     return found
 
 
-def metres(name: str, text: str) -> float:
+def metres(name, text):
     """Return a length, m."""
     try:
         return float(text)
@@ -107,63 +87,28 @@ def metres(name: str, text: str) -> float:
         raise ValueError(f"{name}: {text!r} is not a number: give metres, for example 2.5") from None
 
 
-def words(name: str, scenario: str, given: dict[str, str]) -> list[str]:
-    """Return the arguments of the simulator of one body."""
-    parameters = {parameter: given[parameter] for parameter in PARAMETERS}
-    parameters |= {parameter: f"{name}/{frame}" for parameter, frame in launching.frames().items()}
-    if given["record"] == "true":
-        parameters["record_path"] = f"{name}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"
-    return launching.arguments_of_node(scenario, given["params_file"], parameters)
+def settings(name, scenario, given):
+    """Return the settings of the simulator of one body."""
+    frames = {parameter: f"{name}/{frame}" for parameter, frame in launching.frames().items()}
+    bag = {"record_path": launching.dated_bag(name)} if given["record"] == "true" else {}
+    return launching.simulator({**given, **frames, **bag, "scenario": scenario}, namespace=name)[0]
 
 
-def simulator(name: str, arguments: list[str]) -> Node:
-    """Return the simulator of one body. When it ends, so does the rest."""
-    return Node(
-        package=PACKAGE,
-        executable="sim",
-        name=PACKAGE,
-        namespace=name,
-        arguments=arguments,
-        output="screen",
-        on_exit=Shutdown(reason=f"the simulator of {name} ended"),
-    )
-
-
-def place(name: str, x: float) -> Node:
-    """Return what tells where the world of one body is."""
-    return Node(
-        package=TRANSFORM[0],
-        executable=TRANSFORM[1],
-        name="place",
-        namespace=name,
-        arguments=["--x", str(x), "--frame-id", "world", "--child-frame-id", f"{name}/world"],
-        on_exit=Shutdown(reason=f"the place of {name} is no longer published"),
-    )
-
-
-def rviz(names: list[str]) -> Node:
-    """Return RViz, looking at all bodies."""
-    view = rviz_view(yaml.safe_load(RVIZ_FILE.read_text(encoding="utf-8")), names)
-    with tempfile.NamedTemporaryFile("w", suffix=".rviz", delete=False, encoding="utf-8") as file:
-        yaml.safe_dump(view, file)
-    arguments = ["--display-config", file.name]
-    return Node(package="rviz2", executable="rviz2", arguments=arguments, on_exit=launching.shut_down_if_failed)
-
-
-def rviz_view(view: dict[str, Any], names: list[str]) -> dict[str, Any]:
-    """Return a view in which every body has the displays that the view of one body has."""
+def view_of(names):
+    """Return the file of a view in which every body has the displays that the view of one body has."""
+    view = yaml.safe_load(RVIZ_FILE.read_text(encoding="utf-8"))
     manager = view["Visualization Manager"]
     displays = []
     for display in manager["Displays"]:
-        if display.get("Topic", {}).get("Value") in OF_EACH_BODY:
-            displays += [display_of(name, display) for name in names]
-        else:
-            displays.append(display)
+        topic = display.get("Topic", {}).get("Value")
+        displays += [of_body(name, display) for name in names] if topic in ("/markers", "/pose") else [display]
     manager["Displays"] = displays
-    return view
+    with tempfile.NamedTemporaryFile("w", suffix=".rviz", delete=False, encoding="utf-8") as file:
+        yaml.safe_dump(view, file)
+    return file.name
 
 
-def display_of(name: str, display: dict[str, Any]) -> dict[str, Any]:
+def of_body(name, display):
     """Return one body's own copy of a display."""
     own = deepcopy(display)
     own["Name"] = f"{display['Name']} {name}"

@@ -16,20 +16,12 @@
 
 Starts the simulator with an IMU and a magnetometer, the filter, and the evaluator, which says the score at the end:
 after duration:=60.0 of simulated time, or at Ctrl-C. The exit status is 0 if every limit, as max_rms:=1deg, is kept.
-For imu_filter_madgwick and imu_complementary_filter the executable and what makes them use both sensors are known.
-Every parameter of the simulator is an argument. With lockstep:=true the simulator waits for the filter's answers, so
-that the score does not depend on how busy the machine is; real_time_factor:=0.0 is then as fast as the filter.
-When one part dies, so does the rest, and the exit status is 1.
+Every parameter of the simulator is an argument. With lockstep:=true it waits for the filter's answers: then the score
+does not depend on how busy the machine is. When one part dies, so does the rest, and the exit status is 1.
 """
 
-from __future__ import annotations
-
 import shlex
-from typing import Any
 
-from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from lie_rigid_body.evaluation import Limits
@@ -37,23 +29,16 @@ from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 
-PACKAGE = "lie_rigid_body"
-KNOWN: dict[str, tuple[str, dict[str, Any]]] = {
-    "imu_filter_madgwick": (
-        "imu_filter_madgwick_node",
-        {"world_frame": "enu", "use_mag": True, "publish_tf": False},
-    ),
-    "imu_complementary_filter": ("complementary_filter_node", {"use_mag": True, "publish_tf": False}),
+PLAIN = {"use_mag": True, "publish_tf": False}
+KNOWN = {
+    "imu_filter_madgwick": ("imu_filter_madgwick_node", {"world_frame": "enu", **PLAIN}),
+    "imu_complementary_filter": ("complementary_filter_node", PLAIN),
 }
 """Filters by their packages: the executable, and parameters that are given unless others are."""
 ABSOLUTE = {f"/imu/{name}": f"imu/{name}" for name in ("data_raw", "mag", "data")}
 """Names that some filters have without a namespace, and what they have to be in one."""
-BENCH = {
-    "imu_rate": "100.0",
-    "magnetometer_rate": "100.0",
-    "gyro_rate": "integrated",
-    "accelerometer_mode": "pivot_gravity",
-}
+BENCH = {"imu_rate": "100.0", "magnetometer_rate": "100.0", "gyro_rate": "integrated"}
+BENCH["accelerometer_mode"] = "pivot_gravity"
 """Sensors of the simulator where its scenario, its file and the arguments give no IMU."""
 ARGUMENTS = {
     "package": ("imu_filter_madgwick", "the filter's package"),
@@ -79,83 +64,54 @@ OPTIONS = {
 """Options of the evaluator, with underscores."""
 
 
-def generate_launch_description() -> LaunchDescription:
+def generate_launch_description():
     """Describe the launch."""
-    texts = {**ARGUMENTS, **{name: ("", text) for name, text in {**OPTIONS, **launching.descriptions()}.items()}}
-    choices = {"lockstep": {"choices": ["true", "false"]}}
-    given = [
-        DeclareLaunchArgument(name, default_value=default, description=text, **choices.get(name, {}))
-        for name, (default, text) in texts.items()
-    ]
-    return LaunchDescription([*given, OpaqueFunction(function=nodes)])
+    options = {name: ("", text) for name, text in OPTIONS.items()}
+    return launching.description(__file__, {**ARGUMENTS, **options}, nodes)
 
 
-def nodes(context: LaunchContext) -> list[Node]:
-    """Return the simulator, the filter and the evaluator, once all that they need is found."""
-    known = (*ARGUMENTS, *OPTIONS, *launching.descriptions())
-    launching.require_known(__file__, context.argv, known)
-    given = {name: LaunchConfiguration(name).perform(context) for name in known}
-    words = simulator_words(given)
+def nodes(given):
+    """Return the simulator, the filter and the evaluator, whose end is that of the rest."""
     Limits.parse(given["max_rms"] or None, tuple(given["max_after"].split()))
     require_axes(given["covariance_axes"] or "world")
-    filter_node = estimator(given)
-    launching.require_executables(
-        (PACKAGE, "sim"), (PACKAGE, "evaluate"), (given["package"], executable(given["package"], given["executable"]))
-    )
-    return [simulator(given, words), filter_node, evaluator(given)]
+    parts = (simulator(given), estimator(given), evaluator(given))
+    launching.require_executables(*((part["package"], part["executable"]) for part in parts))
+    return [Node(**part) for part in parts]
 
 
-def simulator_words(given: dict[str, str]) -> list[str]:
-    """Return the arguments of the simulator, with sensors where none are given."""
-    parameters = {name: given[name] for name in launching.descriptions()}
+def simulator(given):
+    """Return the settings of the simulator, with sensors where none are given."""
     if given["lockstep"] == "true":
-        parameters["lockstep_topic"] = parameters["lockstep_topic"] or given["estimate"]
-        parameters["lockstep_nodes"] = parameters["lockstep_nodes"] or "[evaluator]"
-    words = launching.arguments_of_node(given["scenario"], given["params_file"], parameters)
-    if launching.scenario_of_node(words, PACKAGE, given["namespace"]).sensors.imu is None:
-        parameters = {**BENCH, **{name: value for name, value in parameters.items() if value}}
-        words = launching.arguments_of_node(given["scenario"], given["params_file"], parameters)
-        launching.scenario_of_node(words, PACKAGE, given["namespace"])  # or its refusal
-    return words
+        given = {**given, "lockstep_topic": given["lockstep_topic"] or given["estimate"]}
+        given["lockstep_nodes"] = given["lockstep_nodes"] or "[evaluator]"
+    settings, scenario = launching.simulator(given, namespace=given["namespace"])
+    if scenario.sensors.imu is None:
+        bench = {name: given[name] or value for name, value in BENCH.items()}
+        settings, _ = launching.simulator({**given, **bench}, namespace=given["namespace"])
+    return {**settings, "on_exit": launching.fail_unless_shut_down}
 
 
-def simulator(given: dict[str, str], words: list[str]) -> Node:
-    """Return the simulator."""
-    return Node(
-        package=PACKAGE,
-        executable="sim",
-        name=PACKAGE,
-        namespace=given["namespace"],
-        arguments=words,
-        on_exit=launching.fail_unless_shut_down,
-    )
-
-
-def executable(package: str, name: str) -> str:
-    """Return the filter's executable."""
-    if name or package in KNOWN:
-        return name or KNOWN[package][0]
-    raise ValueError(f"executable: that of {package} is not known: give executable:=NAME, one of its lib/{package}")
-
-
-def estimator(given: dict[str, str]) -> Node:
-    """Return the filter."""
-    package, file = given["package"], given["estimator_params_file"]
-    usual = KNOWN.get(package, ("", {}))[1]
+def estimator(given):
+    """Return the settings of the filter."""
+    executable, usual = KNOWN.get(given["package"], ("", {}))
+    executable = given["executable"] or executable
+    if not executable:
+        package = given["package"]
+        raise ValueError(f"executable: that of {package} is not known: give executable:=NAME, one of its lib/{package}")
     own = dict(parse_assignment(word) for word in shlex.split(given["parameters"]))
     remappings = [pair("remappings", word) for word in given["remappings"].split()]
-    return Node(
-        package=package,
-        executable=executable(package, given["executable"]),
-        namespace=given["namespace"],
-        parameters=[part for part in (usual, file, own) if part],
-        remappings=[*remappings, *(ABSOLUTE.items() if given["namespace"] else ())],
-        output="screen",
-        on_exit=launching.fail_unless_shut_down,
-    )
+    return {
+        "package": given["package"],
+        "executable": executable,
+        "namespace": given["namespace"],
+        "parameters": [part for part in (usual, given["estimator_params_file"], own) if part],
+        "remappings": [*remappings, *(ABSOLUTE.items() if given["namespace"] else ())],
+        "output": "screen",
+        "on_exit": launching.fail_unless_shut_down,
+    }
 
 
-def pair(argument: str, word: str) -> tuple[str, str]:
+def pair(argument, word):
     """Return both sides of FROM:=TO."""
     left, separator, right = word.partition(":=")
     if not (left and separator and right):
@@ -163,19 +119,19 @@ def pair(argument: str, word: str) -> tuple[str, str]:
     return left, right
 
 
-def evaluator(given: dict[str, str]) -> Node:
-    """Return the evaluator, whose end is that of the rest."""
+def evaluator(given):
+    """Return the settings of the evaluator."""
     words = []
     for name in OPTIONS:
         for value in given[name].split() if name == "max_after" else filter(None, [given[name]]):
             words += [f"--{name.replace('_', '-')}", value]
-    return Node(
-        package=PACKAGE,
-        executable="evaluate",
-        name="evaluator",
-        namespace=given["namespace"],
-        arguments=words,
-        remappings=[("estimate", given["estimate"])],
-        output="screen",
-        on_exit=launching.end_with_status,
-    )
+    return {
+        "package": "lie_rigid_body",
+        "executable": "evaluate",
+        "name": "evaluator",
+        "namespace": given["namespace"],
+        "arguments": words,
+        "remappings": [("estimate", given["estimate"])],
+        "output": "screen",
+        "on_exit": launching.end_with_status,
+    }

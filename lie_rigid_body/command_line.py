@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import functools
 import re
+import sys
 from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from lie_rigid_body.scenario import Scenario
 
 _ROS_BEGIN: Final = "--ros-args"
+_JSON: Final = "--json"
+STDOUT: Final = ""
+"""What is in the place of the file of ``--json`` where it is given none."""
+JSON_SUFFIX: Final = ".json"
 
 Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
 """Row of a parser's table: the names of an argument, and how it is read."""
@@ -68,6 +73,14 @@ class Parser(argparse.ArgumentParser):
             for names, how in rows:
                 group.add_argument(*names, **how)
 
+    def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> argparse.Namespace:  # type: ignore[override]
+        """Read arguments. A word behind ``--json`` is its file where it ends so: a bag or a filter may stand there."""
+        words = list(sys.argv[1:] if args is None else args)
+        for place in range(len(words) - 1, -1, -1):
+            if words[place] == _JSON and "--" not in words[:place]:
+                words[place : place + 2] = _joined(*words[place : place + 2])
+        return super().parse_args(words, namespace)  # type: ignore[no-any-return]
+
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
         """Print the help on stdout, by `say`."""
         say(self.format_help().rstrip("\n"))
@@ -76,6 +89,13 @@ class Parser(argparse.ArgumentParser):
         """Say what is wrong and end with status 2."""
         complain(self.prog, f"{message}; '{self.prog} --help' explains the arguments")
         raise SystemExit(UNUSABLE)
+
+
+def _joined(option: str, *following: str) -> list[str]:
+    """``--json`` and the word behind it, which is joined to it if it is the name of a JSON file."""
+    if following and following[0].lower().endswith(JSON_SUFFIX) and not following[0].startswith("-"):
+        return [f"{option}={following[0]}"]
+    return [f"{option}={STDOUT}", *following]
 
 
 def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
@@ -179,8 +199,8 @@ SCENARIO_OPTIONS: Final = (
 )
 """Options that `scenario_of` reads."""
 
-FORCE_PAGE: Final = argument("--force", action="store_true", help="replace OUT.html if it exists")
-"""Option of the verbs that write a page."""
+FORCE: Final = argument("--force", action="store_true", help="replace outputs that exist")
+"""Option of the verbs that write files."""
 WORKERS: Final = argument(
     "--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"
 )
@@ -223,6 +243,18 @@ TOPIC_OPTION: Final = argument(
     help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
 )
 """Option that `topic_names` reads."""
+
+
+def json_option(what: str) -> Argument:
+    """Option of the verbs that have an answer for programs: `STDOUT`, or a file; None where it is not given."""
+    told = f"{what}; with OUT.json write it there, and print the answer for people"
+    return argument(_JSON, metavar="OUT.json", nargs="?", type=_json_file, help=told)
+
+
+def _json_file(text: str) -> str:
+    if text != STDOUT and Path(text).suffix.lower() != JSON_SUFFIX:
+        raise argparse.ArgumentTypeError(f"{shown(text)}: only JSON is written: let the name end in {JSON_SUFFIX}")
+    return text
 
 
 def columns_of(text: str | None) -> dict[str, str | int]:

@@ -5,11 +5,12 @@
 #   environment.sh headless  .venv-headless  the same without ROS
 #   environment.sh tests     the first of these two that there is a Python for, and beside it what the tests need
 #   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
+#   environment.sh kilted    .venv-kilted    the client library of ROS 2 Kilted, on a Python that Jazzy's has no wheel for
 #   environment.sh docs      .venv-docs      what builds the site
 #   environment.sh bench     .venv-bench     the software that the benchmark compares with, where it is built
 #   environment.sh league    .venv-league    the attitude filters of other libraries
 #
-# Exit status 3 when there is no Python for `live` or `oldest`. The file `complete` is written last and removed first,
+# Exit status 3 when there is no Python for `live`, `oldest` or `kilted`. The file `complete` is written last and removed first,
 # so a set-up that was interrupted is thrown away and made anew by the next one.
 set -eu
 cd "$(dirname "$0")/.."
@@ -39,8 +40,11 @@ case $kind in
         fi
         [ $kind != tests ] || extras=$extras,test,lint ;;
     oldest)
-        python=$(scripts/find-python.sh live) || exit 3
+        python=$(scripts/find-python.sh jazzy) || exit 3
         folder=.venv-oldest extras=ros,test constraints=scripts/constraints-oldest.txt ;;
+    kilted)
+        python=$(scripts/find-python.sh kilted) || exit 3
+        folder=.venv-kilted extras=ros,test ;;
     docs)
         python=$(scripts/find-python.sh headless) || no_python
         folder=.venv-docs extras=docs ;;

@@ -1,21 +1,25 @@
 #!/bin/sh
 # Print the path of a Python that this project can build an environment from.
 #
-#   find-python.sh live      Python 3.12 on Linux x86-64, which the wheels of the ROS 2 client library are built for
+#   find-python.sh live      Python 3.12 to 3.14 on Linux x86-64, which wheels of the ROS 2 client library are built for
+#   find-python.sh jazzy     Python 3.12 there, for rclpy 7.1 of ROS 2 Jazzy
+#   find-python.sh kilted    Python 3.13 or 3.14 there, for rclpy 9.1 of ROS 2 Kilted
 #   find-python.sh headless  Python 3.10 or newer
 #   find-python.sh bench     Python 3.10 or 3.11 on Linux x86-64, which PyBullet is built for
 #
-# PYTHON=... names the one to use; PYTHON_ROS=... the one for `live` ("none": pretend there is none).
+# PYTHON=... names the one to use; PYTHON_ROS=... the one for ROS ("none": pretend there is none).
 # Exit status 3 when there is none. Each candidate is really run: a shim on PATH may exist and yet fail, and Debian's
 # python3 comes without venv.
 set -u
 
 kind=$1
 case $kind in
-    live) chosen=${PYTHON_ROS:-${PYTHON:-}} ; names="python3.12 python3 python" ;;
+    live) chosen=${PYTHON_ROS:-${PYTHON:-}} ; names="python3.12 python3 python3.14 python3.13 python" ;;
+    jazzy) chosen=${PYTHON_ROS:-${PYTHON:-}} ; names="python3.12 python3 python" ;;
+    kilted) chosen=${PYTHON_ROS:-${PYTHON:-}} ; names="python3.14 python3.13 python3 python" ;;
     headless) chosen=${PYTHON:-} ; names="python3 python3.12 python3.13 python3.14 python3.11 python3.10 python" ;;
     bench) chosen=${PYTHON:-} ; names="python3.11 python3.10 python3 python" ;;
-    *) echo "find-python.sh: '$kind' is none of live, headless, bench" >&2; exit 2 ;;
+    *) echo "find-python.sh: '$kind' is none of live, jazzy, kilted, headless, bench" >&2; exit 2 ;;
 esac
 
 probe='
@@ -24,11 +28,12 @@ kind = sys.argv[1]
 # The one below an activated environment, which may be the very one that is made anew.
 python = os.path.realpath(getattr(sys, "_base_executable", None) or sys.executable)
 fits = sys.version_info >= (3, 10) and sys.implementation.name == "cpython"
-if kind == "live":
+ros = {"live": (12, 13, 14), "jazzy": (12,), "kilted": (13, 14)}
+if kind in ros:
     libc, version = platform.libc_ver()
     fits = (
         fits
-        and sys.version_info[:2] == (3, 12)
+        and sys.version_info[1] in ros[kind]
         and (sys.platform, platform.machine(), libc) == ("linux", "x86_64", "glibc")
         and tuple(map(int, version.split(".")[:2])) >= (2, 28)
     )

@@ -14,8 +14,9 @@ fi
 
 environment=$(scripts/environment.sh headless)
 cat >&2 <<'TEXT'
-The live node needs Python 3.12 on Linux x86-64, and none was found. Install one with any of
+The live node needs Python 3.12, 3.13 or 3.14 on Linux x86-64, and none was found. Install one with any of
     apt install python3.12 python3.12-venv        (Ubuntu 24.04)
+    apt install python3 python3-venv              (Ubuntu 26.04)
     uv python install 3.12
     pyenv install 3.12
     conda create --name py312 python=3.12

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Run the test suite.
 #
-#   test.sh newest [pytest arguments]   today's libraries; the ROS part is left out, and counted, without a Python 3.12
+#   test.sh newest [pytest arguments]   today's libraries; the ROS part is left out, and counted, without a Python for it
 #   test.sh oldest [pytest arguments]   the libraries of Ubuntu 24.04
+#   test.sh kilted [pytest arguments]   the tests of the node, with the client library of ROS 2 Kilted
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -12,9 +13,13 @@ if [ "$kind" = newest ]; then
     environment=$(scripts/environment.sh tests)
 else
     status=0
-    environment=$(scripts/environment.sh oldest) || status=$?
+    case $kind in
+        oldest) wanted="the libraries of Ubuntu 24.04 need Python 3.12" ;;
+        kilted) wanted="the client library of ROS 2 Kilted needs Python 3.13 or 3.14"; set -- test/ros "$@" ;;
+    esac
+    environment=$(scripts/environment.sh $kind) || status=$?
     if [ $status -eq 3 ]; then
-        echo "make: left out: the libraries of Ubuntu 24.04 need Python 3.12 on Linux x86-64, and none was found" >&2
+        echo "make: left out: $wanted on Linux x86-64, and none was found" >&2
         exit 0
     fi
     [ $status -eq 0 ] || exit $status

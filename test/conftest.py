@@ -184,13 +184,13 @@ def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
         return
 
-    from ros_domains import own_domain  # by locks that only POSIX has
+    from ros_domains import PROFILES_FILE, own_domain  # by locks that only POSIX has
 
     with own_domain() as domain, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_LOG_DIR", str(tmp_path_factory.mktemp("ros-log")))
-        patch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(ONE_PROCESS))
+        patch.setenv(PROFILES_FILE, str(ONE_PROCESS))
         for name in ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY"):
             patch.delenv(name, raising=False)
         yield

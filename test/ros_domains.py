@@ -6,9 +6,13 @@ import random
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.metadata import distributions, version
 
 # Above 101 the ports of a domain reach into the range that Linux hands out to clients; 0 is everybody's default.
 DOMAINS = range(1, 102)
+RCLPY = next((version(name) for name in ("rclpy", "ros-rclpy") if [*distributions(name=name)]), "7")
+PROFILES_FILE = f"{'FASTRTPS' if int(RCLPY.partition('.')[0]) < 8 else 'FASTDDS'}_DEFAULT_PROFILES_FILE"
+"""Variable that names the settings of Fast DDS: since Kilted a warning tells of the older one."""
 HELD = "\0lie_rigid_body/played-to/{}"
 """Name of the socket by which a domain is held."""
 

@@ -77,6 +77,16 @@ def test_a_page_is_followed(name: str, tmp_path: Path, reader: dict[str, str]) -
     follow(PAGES[name], tmp_path, reader)
 
 
+@pytest.mark.slow
+@pytest.mark.ros
+def test_the_tutorial_of_a_node_is_followed_where_colcon_has_built_the_package(
+    tmp_path: Path, reader: dict[str, str]
+) -> None:
+    """There is no program of pip then; Python has the package, as it has where a workspace is sourced."""
+    (tmp_path / "bin" / "lie-rigid-body").write_text("#!/bin/sh\nexit 127\n")
+    follow(PAGES["docs/tutorials/filter_node_in_ci"], tmp_path, reader)
+
+
 def test_a_command_that_fails_ends_the_page(tmp_path: Path, reader: dict[str, str]) -> None:
     follow("```bash\necho && false  # status 1\n```\n", tmp_path, reader)
     follow("```console\n$ echo a  b\n```\n```text\na b\n```\n", tmp_path, reader)

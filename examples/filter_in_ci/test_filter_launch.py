@@ -1,6 +1,9 @@
 """The same with launch_testing, which comes with ROS 2: for pytest with its plugin, or for launch_test."""
 
+import random
+import sys
 import unittest
+from pathlib import Path
 
 import pytest
 
@@ -9,18 +12,39 @@ pytest.importorskip("launch_testing", reason="launch_testing is not installed: i
 import launch_testing.actions
 import launch_testing.asserts
 from launch import LaunchDescription
-from launch.actions import ExecuteProcess
-from test_filter_node import EVALUATOR, FILTER, SIMULATOR
+from launch.actions import ExecuteProcess, SetEnvironmentVariable
+from launch_ros.actions import Node
+
+HERE = Path(__file__).parent
+LIMITS = ["--duration", "20", "--wait", "30", "--max-rms", "1deg"]
 
 
 @pytest.mark.launch_test
 def generate_test_description():
-    """Simulator, filter and evaluator; the test begins at once, and waits for the evaluator."""
-    evaluator = ExecuteProcess(cmd=EVALUATOR, output="screen")
+    """Simulator, filter and evaluator in a domain of their own; the test begins at once, and waits for the last."""
+    simulator = Node(
+        package="lie_rigid_body",
+        executable="sim",
+        arguments=["--scenario", "tumbling_cubesat"],
+        parameters=[str(HERE / "simulator.yaml")],
+    )
+    # yours: Node(package="my_package", executable="my_filter"); 'ros2 run' would leave its child behind
+    attitude_filter = ExecuteProcess(
+        cmd=[sys.executable, str(HERE.parent / "complementary_filter" / "complementary_filter_node.py")]
+    )
+    evaluator = Node(
+        package="lie_rigid_body",
+        executable="evaluate",
+        arguments=LIMITS,
+        remappings=[("estimate", "/imu/data")],
+        output="screen",
+    )
     description = LaunchDescription(
         [
-            ExecuteProcess(cmd=SIMULATOR, output="screen"),
-            ExecuteProcess(cmd=FILTER, output="screen"),
+            SetEnvironmentVariable("ROS_DOMAIN_ID", str(random.randint(1, 101))),
+            SetEnvironmentVariable("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
+            simulator,
+            attitude_filter,
             evaluator,
             launch_testing.actions.ReadyToTest(),
         ]

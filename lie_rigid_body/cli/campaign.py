@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from importlib.util import find_spec
 
-from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
+from lie_rigid_body.command_line import FORCE, WORKERS, argument, file_name, verb
 from lie_rigid_body.foundation.errors import InputError
 
 
@@ -26,7 +26,7 @@ from lie_rigid_body.foundation.errors import InputError
         type=file_name,
         help="write the estimators, or the runs, as one page",
     ),
-    FORCE_PAGE,
+    FORCE,
     either=(
         WORKERS,
         argument("--scheduler", metavar="ADDRESS", help="scheduler of a Dask cluster of yours, as tcp://host:8786"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from lie_rigid_body.command_line import FORCE_PAGE, TOPIC_OPTION, argument, file_name, verb
+from lie_rigid_body.command_line import FORCE, TOPIC_OPTION, argument, file_name, json_option, verb
 
 
 @verb(
@@ -16,7 +16,7 @@ from lie_rigid_body.command_line import FORCE_PAGE, TOPIC_OPTION, argument, file
         nargs="+",
         help="an MCAP file, a folder that 'ros2 bag record' made, or a folder of such bags, also in folders below it",
     ),
-    argument("--json", action="store_true", help="print the certificate for programs"),
+    json_option("print the certificate for programs"),
     argument(
         "--inertia",
         metavar="a,b,c",
@@ -42,7 +42,7 @@ from lie_rigid_body.command_line import FORCE_PAGE, TOPIC_OPTION, argument, file
         type=file_name,
         help="write laws, drifts and the motion in 3-D as one page (needs plotly)",
     ),
-    FORCE_PAGE,
+    FORCE,
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""

@@ -44,7 +44,7 @@ def check(given: argparse.Namespace) -> int:
     judged = partial(certify, inertia=inertia, max_attitude=max_attitude)
     files = (file for bag in given.bags for file in files_of(bag))
     is_one = len(given.bags) == 1 and not _is_folder_of_bags(given.bags[0])
-    require_outputs({"report": given.report}, files, overwrite=given.force, with_film=is_one)
+    require_outputs({"json": given.json, "report": given.report}, files, overwrite=given.force, with_film=is_one)
     if not is_one:
         _refuse_proof(given)
         return _answer(given, judge_all(_bags_of(given.bags), judged, topics))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from lie_rigid_body.command_line import ESTIMATOR, FORCE_PAGE, WORKERS, argument, file_name, verb
+from lie_rigid_body.command_line import ESTIMATOR, FORCE, WORKERS, argument, file_name, json_option, verb
 from lie_rigid_body.diagnosis.examination import MAX_RUNS, MAX_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, ProgramEstimator, words
 from lie_rigid_body.foundation.errors import InputError
@@ -43,9 +43,9 @@ def named_by(given: argparse.Namespace) -> list[str]:
 @verb(
     "Say what is wrong with an attitude filter, by repairing it from outside.",
     *ESTIMATOR,
-    argument("--json", action="store_true", help="print what is found for programs"),
+    json_option("print what is found for programs"),
     argument("--report", metavar="OUT.html", type=file_name, help="write what is found as one page"),
-    FORCE_PAGE,
+    FORCE,
     WORKERS,
     argument(
         "--max-runs",
@@ -77,7 +77,9 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.scenario.parameter_file import gather
 
-    require_outputs({"report": given.report}, [*given.params_file, *named_by(given)], overwrite=given.force)
+    require_outputs(
+        {"json": given.json, "report": given.report}, [*given.params_file, *named_by(given)], overwrite=given.force
+    )
     chosen = gather(given.scenario, given.params_file, ())
     parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:

@@ -31,7 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = parse(sys.argv[1:] if argv is None else argv)
     if given.run is None:
-        raise InputError("no bag is given: give one; without, 'lie-rigid-body evaluate' follows topics of ROS 2")
+        raise InputError(f"no bag is given: give one; without, '{console.program('evaluate')}' follows topics of ROS 2")
     require_room(given)
 
     from lie_rigid_body.evaluation import Limits

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from lie_rigid_body.cli.scenarios import describe as describe_file
-from lie_rigid_body.command_line import argument, scenario_of, verb
+from lie_rigid_body.command_line import FORCE, argument, json_option, scenario_of, verb
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS, Value, Vector
 from lie_rigid_body.foundation.wording import numerals
@@ -125,17 +125,19 @@ _WHY: Final = {
 @verb(
     "Tell what the mathematics says about a scenario, without running it.",
     argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
-    argument("--json", action="store_true", help="print it for programs; infinite and absent numbers are null"),
+    json_option("print it for programs; infinite and absent numbers are null"),
+    FORCE,
     scenario=True,
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     from lie_rigid_body.motion import describe
     from lie_rigid_body.report.answer import Sentences, as_text
-    from lie_rigid_body.report.outputs import emit
+    from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.scenario.facts import beyond_rotation
     from lie_rigid_body.scenario.parameter_file import scenario_files
 
+    require_outputs({"json": given.json}, given.params_file, overwrite=given.force)
     if given.name is not None and given.scenario is not None:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
     name = given.scenario = given.scenario or given.name
@@ -158,6 +160,7 @@ def main(given: argparse.Namespace) -> int:
         lambda: as_text([*parts, *_other_parts(scenario)], title),
         lambda: {"parameters": scenario.parameters(), **data},
         as_json=given.json,
+        overwrite=given.force,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from lie_rigid_body.command_line import LOG_OPTIONS, argument, columns_of, file_name, verb
+from lie_rigid_body.command_line import FORCE, LOG_OPTIONS, argument, columns_of, file_name, json_option, verb
 from lie_rigid_body.foundation.wording import printable
 
 
@@ -22,7 +22,7 @@ from lie_rigid_body.foundation.wording import printable
         metavar="TOPIC|FILE",
         help="true attitudes: a topic of the bag, another bag, or a trajectory; its clock and mounting are reported",
     ),
-    argument("--json", action="store_true", help="print what is found for programs"),
+    json_option("print what is found for programs"),
     argument("--report", metavar="OUT.html", type=file_name, help="write what is found as one page, with pictures"),
     argument(
         "--parameters",
@@ -31,7 +31,7 @@ from lie_rigid_body.foundation.wording import printable
         help="write a parameter file with which the simulator's sensors are like these",
     ),
     argument("--out", metavar="FIXED.csv", type=file_name, help="write the readings with their mistakes undone"),
-    argument("--force", action="store_true", help="replace outputs that exist"),
+    FORCE,
     epilog="Exit status: 0, 1 where a mistake is named, 2 when the log cannot be read.",
 )
 def main(given: argparse.Namespace) -> int:
@@ -42,7 +42,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.runs import Run
 
-    outputs = {"report": given.report, "parameters": given.parameters, "out": given.out}
+    outputs = {"json": given.json, "report": given.report, "parameters": given.parameters, "out": given.out}
     inputs = [file for file in (given.log, given.truth) if file is not None]
     require_outputs(outputs, inputs, overwrite=given.force, suffixes={"out": ".csv"})
     run = Run.from_log(

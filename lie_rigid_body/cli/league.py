@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body.cli.diagnose import given_estimator, named_by
-from lie_rigid_body.command_line import ESTIMATOR, FORCE_PAGE, WORKERS, argument, file_name, verb
+from lie_rigid_body.command_line import ESTIMATOR, FORCE, WORKERS, argument, file_name, json_option, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 from lie_rigid_body.system import console
 
@@ -22,9 +22,9 @@ from lie_rigid_body.system import console
         default=[],
         help="rows of other filters, as --json writes them; may be repeated",
     ),
-    argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
+    json_option("print the filter's row, or all rows, for programs"),
     argument("--report", metavar="OUT.html", type=file_name, help="write the table as one page"),
-    FORCE_PAGE,
+    FORCE,
     WORKERS,
     argument(
         "--timeout",
@@ -46,7 +46,9 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.system.portable import cores
 
-    require_outputs({"report": given.report}, [*given.others, *named_by(given)], overwrite=given.force)
+    require_outputs(
+        {"json": given.json, "report": given.report}, [*given.others, *named_by(given)], overwrite=given.force
+    )
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
     if estimate is not None:

@@ -6,19 +6,21 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from lie_rigid_body.command_line import argument, verb
+from lie_rigid_body.command_line import FORCE, json_option, verb
 
 
 @verb(
     "List the scenarios that come with the package, for --scenario NAME.",
-    argument("--json", action="store_true", help="print them for programs, with all parameters"),
+    json_option("print them for programs, with all parameters"),
+    FORCE,
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    from lie_rigid_body.report.outputs import emit
+    from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 
+    require_outputs({"json": given.json}, (), overwrite=given.force)
     entries: list[dict[str, Any]] = [
         {
             "name": name,
@@ -28,7 +30,9 @@ def main(given: argparse.Namespace) -> int:
         }
         for name, path in scenario_files().items()
     ]
-    return emit({}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries, as_json=given.json)
+    return emit(
+        {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries, as_json=given.json, overwrite=given.force
+    )
 
 
 def describe(path: Path) -> str:

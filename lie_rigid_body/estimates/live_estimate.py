@@ -198,6 +198,15 @@ class LiveEstimate:
         stamps = self.estimate.scorable()[0].stamps_ns  # without those that leap far away
         return self.is_full or bool(len(stamps) and stamps[-1] >= self._due_ns(stamps))
 
+    @property
+    def has_its_truth(self) -> bool:
+        """Whether the poses, if there are any, reach to the end of the duration: the score may still depend on more."""
+        poses = self.truth.poses
+        last_ns = poses.last_ns
+        return (
+            self._length_ns is None or last_ns is None or last_ns >= self._due_ns(self.estimate.scorable()[0].stamps_ns)
+        )
+
     def _due_ns(self, stamps_ns: Integers) -> int:
         """Stamp until which estimates are due, ns: where they have a duration, it begins with the truth."""
         begin = int(np.searchsorted(stamps_ns, self.truth.begin_ns - NS))
@@ -264,7 +273,8 @@ class LiveEstimate:
         if self.truth.poses.count and (most is None or not self.truth.segments):
             found, lost = self.truth.poses.scorable()
             notes += notes_on_left_out(lost, len(found), "poses of the truth")
-            poses.append(found)
+            # up to the first from the end on: how many more have come is a matter of time, and the score is none
+            poses.append(found[: int(np.searchsorted(found.stamps_ns, due_ns)) + 1])
         motion, truth = self._true(track.stamps_ns, poses)
         if motion.poses is None and not self.truth.poses.count:
             motion.require_same_clock(int(track.stamps_ns[0]))

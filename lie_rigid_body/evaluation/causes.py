@@ -22,7 +22,7 @@ import numpy as np
 from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, relative_rotations, times
 from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of, products, valleys
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.wording import components
+from lie_rigid_body.foundation.wording import components, program
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 
@@ -36,7 +36,7 @@ MIN_COVERED: Final = 0.25
 """Smallest share of the samples that a constant of the stamps puts within the truth's times."""
 CONVERGED: Final = 1e-4
 """Share of the errors by which a step changes them that ends a fit; chance in 4 000 samples changes them by 1.6e-2."""
-FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
+FEIGNED: Final = f"a mistake in its readings does the same, which '{program('diagnose')}' tells"
 """Words for a cause that a mistake at the input of the filter may imitate."""
 
 

@@ -10,6 +10,7 @@ import reprlib
 import sys
 from collections.abc import Collection, Iterable, Mapping
 from itertools import islice
+from pathlib import Path
 from typing import Any, Final
 
 MAX_LINE: Final = 200
@@ -22,6 +23,7 @@ MAX_NAMES: Final = 5
 """Largest number of names listed in a line."""
 
 _GAP: Final = "..."
+_PACKAGE: Final = "lie_rigid_body"
 _MAX_NUMBERS: Final = 7
 
 
@@ -147,6 +149,11 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+def snake_case(name: str) -> str:
+    """A name in snake case: ``GetEntities`` as ``get_entities``."""
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
+
+
 def suggestion(name: str, known: Collection[str], kind: str) -> str:
     """A hint for an unknown name: the known names most like it, or else the first of all.
 
@@ -163,6 +170,16 @@ def suggestion(name: str, known: Collection[str], kind: str) -> str:
     """
     near = difflib.get_close_matches(name[:MAX_VALUE], known, n=3)
     return f"did you mean {' or '.join(near)}?" if near else f"the {kind} are {listed(known)}"
+
+
+def program(verb: str) -> str:
+    """The command of a verb: an executable of its own where ROS 2 installed this one, else one of ``lie-rigid-body``.
+
+    ROS 2 has executables in ``lib/lie_rigid_body``, where ``python -m lie_rigid_body`` has its ``__main__.py``.
+    """
+    this = Path(sys.argv[0])
+    of_ros = this.parent.name == _PACKAGE and this.suffix != ".py"
+    return f"ros2 run {_PACKAGE} {verb}" if of_ros else f"lie-rigid-body {verb}"
 
 
 def call_repr(instance: object, arguments: Mapping[str, object]) -> str:

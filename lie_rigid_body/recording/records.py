@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.wording import program
 from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES, open_file
 from lie_rigid_body.system.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
-RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
+RESCUE: Final = f"'{program('recover')} BROKEN -o FIXED'"
 """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it corrects nothing."""
 CHANGED: Final = "changed while it was read: try again when nobody writes it"
 """Words behind the path of a file that another process changed."""

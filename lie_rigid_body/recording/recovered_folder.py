@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.wording import program
 from lie_rigid_body.recording.bag_files import recording_files
 from lie_rigid_body.recording.recovery import NothingWholeError, Recovery, recover
 from lie_rigid_body.system.output_file import reason
@@ -46,7 +47,7 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
             except NothingWholeError as error:
                 found[file] = error
         if not whole:
-            raise BagError(f"{broken} holds nothing that can be recovered: 'lie-rigid-body check' says why")
+            raise BagError(f"{broken} holds nothing that can be recovered: '{program('check')}' says why")
     except BaseException:
         shutil.rmtree(fixed, ignore_errors=True)
         raise

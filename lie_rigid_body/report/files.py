@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.command_line import require_suffix
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import shown
+from lie_rigid_body.foundation.wording import program, shown
 from lie_rigid_body.system.output_file import write_file
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ TITLE: Final = "attitude estimate"
 """Title of a picture or a page that is given none."""
 _INSTEAD: Final = {
     "Run": "give run.score(attitude_xyzw)",
-    "Certificate": "lie-rigid-body check BAG --report OUT.html writes its page",
-    "FilterDiagnosis": "lie-rigid-body diagnose ESTIMATOR --report OUT.html writes its page",
+    "Certificate": f"{program('check')} BAG --report OUT.html writes its page",
+    "FilterDiagnosis": f"{program('diagnose')} ESTIMATOR --report OUT.html writes its page",
 }
 """Remedies where another result is given for a score, by its class."""
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.estimates.programs import lines_of
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.wording import counted
+from lie_rigid_body.foundation.wording import counted, program
 from lie_rigid_body.inspection import Estimated, Inspection
 from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
@@ -108,7 +108,7 @@ def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
     if bias is not None:  # the simulator draws one by its standard deviation
         told["gyro_turn_on_bias"] = Estimated(float(np.sqrt(np.mean(np.square(bias.value)))), 0.0)
     lines = [
-        f"# Sensors as in {name}, by 'lie-rigid-body inspect'. What the log does not show is a comment.",
+        f"# Sensors as in {name}, by '{program('inspect')}'. What the log does not show is a comment.",
         "/**:",
         f"  {PARAMETERS_KEY}:",
     ]

@@ -10,13 +10,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from lie_rigid_body.command_line import require_suffix
+from lie_rigid_body.command_line import JSON_SUFFIX, STDOUT, require_suffix
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system import console
 from lie_rigid_body.system.output_file import require_other, require_room, write_file
 
-_SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap", "parameters": ".yaml"}
+_SUFFIXES: Final = {"json": JSON_SUFFIX, "report": ".html", "plot": ".png", "out": ".mcap", "parameters": ".yaml"}
 
 
 def require_outputs(
@@ -32,8 +32,8 @@ def require_outputs(
     Parameters
     ----------
     outputs : mapping of str to str or None
-        Files by the names of their options: ``report``, ``plot``, ``parameters`` or ``out``; None where one is not
-        wanted.
+        Files by the names of their options: ``json``, ``report``, ``plot``, ``parameters`` or ``out``; None where one
+        is not wanted, `STDOUT` where it is none.
     inputs : iterable of str or Path
     overwrite : bool
         Whether existing files are replaced.
@@ -46,10 +46,10 @@ def require_outputs(
     ------
     InputError, BagError
     """
-    wanted = {name: path for name, path in outputs.items() if path is not None}
+    wanted = {name: path for name, path in outputs.items() if path}
     for name, path in wanted.items():
         require_suffix(f"--{name}", path, (_SUFFIXES | dict(suffixes))[name])
-    if wanted and with_film and not find_spec("plotly"):
+    if "report" in wanted and with_film and not find_spec("plotly"):
         raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
     paths = [*wanted.values()]
     read = [*inputs] if wanted else []
@@ -63,7 +63,7 @@ def emit(
     text: Callable[[], str] | None = None,
     content: Callable[[], object] | None = None,
     *,
-    as_json: bool = False,
+    as_json: str | None = None,
     overwrite: bool = False,
     passed: bool = True,
 ) -> int:
@@ -77,8 +77,8 @@ def emit(
         Gives the answer for people; lines that name the files follow it.
     content : callable, optional
         Gives the answer for programs, for JSON; a number that is not finite becomes null.
-    as_json : bool, optional
-        Whether the answer is the one for programs.
+    as_json : str, optional
+        File of the answer for programs; `STDOUT`: that is the answer on stdout.
     overwrite : bool, optional
         Whether existing files are replaced.
     passed : bool, optional
@@ -86,8 +86,13 @@ def emit(
     """
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     made = {path: make() for path, make in files.items() if path is not None}
-    if content and as_json:
-        lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
+    for_programs = ""
+    if content and as_json is not None:
+        for_programs = json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)
+    if as_json:
+        made[as_json] = f"{for_programs}\n".encode()
+    if as_json == STDOUT:
+        lines = [for_programs]
     else:
         lines = [*([text()] if text else []), *(f"wrote {printable(name)}" for name in made)]
     for path, data in made.items():

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.command_line import (
     ESTIMATOR,
+    FORCE,
     LOG_OPTIONS,
     TOPIC_OPTION,
     Parser,
     argument,
     file_name,
+    json_option,
     split_ros_arguments,
 )
 from lie_rigid_body.foundation.errors import InputError
@@ -67,7 +69,7 @@ _ARGUMENTS: Final = (
     ),
     TOPIC_OPTION,
     *LOG_OPTIONS,
-    argument("--json", action="store_true", help="print the score for programs"),
+    json_option("print the score for programs"),
     argument("--series", action="store_true", help="with --json: also the errors of every sample"),
     argument("--plot", metavar="OUT.png", type=file_name, help="draw the errors over time"),
     argument("--report", metavar="OUT.html", type=file_name, help="write score, findings and picture as one page"),
@@ -97,7 +99,7 @@ _ARGUMENTS: Final = (
         default="world",
         help="what the covariance of the estimate is about (default: %(default)s)",
     ),
-    argument("--force", action="store_true", help="replace outputs that exist"),
+    FORCE,
     argument(
         "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
     ),
@@ -147,7 +149,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
     given.truth_topic = None if given.truth is None or Path(given.truth).exists() else given.truth
     given.truth = None if given.truth_topic else given.truth
-    if given.series and not given.json:
+    if given.series and given.json is None:
         raise InputError("--series goes only with --json: give both, or leave it out")
     if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
@@ -163,7 +165,7 @@ def require_room(given: argparse.Namespace) -> None:
 
     read = [*filter(None, (given.run, given.truth)), *(each for each in given.estimate or () if Path(each).is_file())]
     inputs = [file for path in read for file in (files_of(path) if is_bag(path) else [path])]
-    outputs = {"plot": given.plot, "report": given.report, "out": given.out}
+    outputs = {"json": given.json, "plot": given.plot, "report": given.report, "out": given.out}
     require_outputs(outputs, inputs, overwrite=given.force)
 
 

@@ -6,10 +6,11 @@ import struct
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from threading import Thread
 from typing import Any, Final
 
-from rclpy.impl.implementation_singleton import rclpy_implementation
+import rclpy
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
@@ -21,9 +22,9 @@ from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
-from lie_rigid_body.ros.following import subscribe, taken
+from lie_rigid_body.ros.following import subscribe
 from lie_rigid_body.ros.publishing.publisher import IMU_TOPIC
-from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.session import destroying, listening, translated_errors
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS
 from lie_rigid_body.sensors import SENSORS
 
@@ -126,9 +127,16 @@ class Answers:
             raise ParameterError("lockstep_topic", f"{self.topic} {wrong_type(kind)}")
         if self._subscription is None:
             self.message_type = kind
-            self._subscription = subscribe(self._node, self.topic, kind)
-            arguments = self._subscription, 8 if kind == TF_MESSAGE else 4
-            self._thread = Thread(target=self._take, args=arguments, name="answers", daemon=True)
+            ear = rclpy.create_node(
+                f"_{self._node.get_name()}_answers",
+                namespace=self._node.get_namespace(),
+                context=self._node.context,
+                use_global_arguments=False,
+                start_parameter_services=False,
+            )
+            hear = partial(self._take, 8 if kind == TF_MESSAGE else 4)
+            self._subscription = subscribe(ear, self.topic, kind, hear)
+            self._thread = Thread(target=self._listen_on, args=(ear,), name="answers", daemon=True)
             self._thread.start()
 
     def close(self) -> None:
@@ -137,20 +145,17 @@ class Answers:
         if self._thread is not None:
             self._thread.join()
 
-    def _take(self, subscription: Subscription, offset: int) -> None:
-        """Take the messages, each with its stamp behind so many bytes: the executor takes a millisecond for each."""
-        context = self._node.context.handle
-        assert context is not None
-        with subscription.handle, context:
-            wait_set = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, context)
+    def _listen_on(self, ear: Node) -> None:
+        """Take the answers by a node of their own: the executor of one with services takes a millisecond for each."""
+        with destroying(ear), listening(ear) as spin:
             while not self._closed:
-                wait_set.clear_entities()
-                wait_set.add_subscription(subscription.handle)
-                wait_set.wait(LOOK_NS)
-                for payload in taken(subscription):
-                    with suppress(BagError, struct.error):  # of a message without a stamp
-                        seconds, nanoseconds = struct.unpack_from(f"{byte_order(payload, 0)}iI", payload, offset)
-                        self.hear(seconds * NS + nanoseconds, payload)
+                spin(LOOK_NS / NS)
+
+    def _take(self, offset: int, payload: bytes) -> None:
+        """Hand on a message with its stamp, which stands behind so many bytes."""
+        with suppress(BagError, struct.error):  # of a message without a stamp
+            seconds, nanoseconds = struct.unpack_from(f"{byte_order(payload, 0)}iI", payload, offset)
+            self.hear(seconds * NS + nanoseconds, payload)
 
     def _missing(self, answering: int, published: int, hearers: Mapping[str, set[str]]) -> Iterator[str]:
         if answering != 1:  # two nodes may have one name

@@ -35,7 +35,7 @@ from lie_rigid_body.report.score_options import answer
 from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
-from lie_rigid_body.ros.session import OF_EVERY_NODE, own_node, require_distinct
+from lie_rigid_body.ros.session import OF_EVERY_NODE, listening, own_node, require_distinct
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import Interruption
 
@@ -48,6 +48,8 @@ GRAPH_S: Final = (0.25, 2.0)
 """Time between two searches for topics, s, before and after the comparison has begun."""
 WORD_S: Final = (5.0, 30.0)
 """Time until the first line about what is missing, and between two later lines, s."""
+LAST_POSE_S: Final = 5.0
+"""Longest wait for the poses up to the end of the last estimate, which come on another topic, s."""
 ERROR_TOPIC: Final = "~/error"
 ERRORS_KEPT: Final = 1000
 INTERVAL_S: Final = 1.0
@@ -172,13 +174,13 @@ class Scores:
 
 def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     """Follow the topics of a command line; return the exit status, as `ros.evaluate.main` tells it."""
-    with own_node(EVALUATOR_NAME, given.ros) as node:
+    with own_node(EVALUATOR_NAME, given.ros) as node, listening(node) as spin:
         _override(given, overrides(node))
         limits = Limits.parse(given.max_rms, tuple(given.max_after))
         axes = given.covariance_axes
         require_axes(axes)
         begin = partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=axes)
-        following = Following(node, begin)
+        following = Following(node, spin, begin)
         complete = _follow(node, following, given, interruption)
         missing = following.silence()
     return _score(given, following, missing, complete)
@@ -208,6 +210,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
     word_at = time.monotonic() + WORD_S[0]
     _say(f"{node.get_fully_qualified_name()} waits for {following.estimate}; Ctrl-C ends it")
     was_still = False
+    complete_at = np.inf
     while True:
         requested = interruption.requested  # what came before it is in the score
         now = time.monotonic()
@@ -240,7 +243,9 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         if requested:
             return live is not None and live.messages > 0
         if live is not None and live.is_complete:
-            return True
+            complete_at = min(complete_at, now)
+            if live.has_its_truth or now - complete_at > LAST_POSE_S:
+                return True
         if given.wait and now - compared_at > given.wait:
             return True
         time.sleep(TICK_S)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from typing import Final, TypeAlias
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
@@ -18,6 +17,7 @@ from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.ros.installation import how_to_install
 from lie_rigid_body.ros.session import message_class, translated_errors
 
 ESTIMATE: Final = "estimate"
@@ -39,7 +39,8 @@ class Following:
     Parameters
     ----------
     node : Node
-        Messages are taken by `take`, in bulk.
+    spin : callable
+        Calls back for the messages of the node that have come; see `session.listening`.
     begin : callable
         ``begin(topic, message_type)`` is called once the topic of the estimate is there.
 
@@ -49,13 +50,14 @@ class Following:
         What was heard; None until the topic of the estimate is there.
     """
 
-    def __init__(self, node: Node, begin: Callable[[str, str], LiveEstimate]) -> None:
+    def __init__(self, node: Node, spin: Callable[[float], None], begin: Callable[[str, str], LiveEstimate]) -> None:
         self._node = node
+        self._spin = spin
         self._begin = begin
         with translated_errors("the topics estimate and truth"):
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
-        self._subscriptions: dict[str, tuple[Subscription, Hear]] = {}
+        self._subscriptions: dict[str, tuple[Subscription, list[bytes], Hear]] = {}
         self._true_kinds: dict[str, str] = {}
         self._crowd: dict[str, int] = {}
         self._unreadable: dict[str, tuple[int, str]] = {}
@@ -99,13 +101,14 @@ class Following:
     def _hear(self, topic: str, kind: str, hear: Hear) -> None:
         """Subscribe to a topic, once."""
         if topic not in self._subscriptions:
-            self._subscriptions[topic] = subscribe(self._node, topic, kind), hear
+            payloads = list[bytes]()
+            self._subscriptions[topic] = subscribe(self._node, topic, kind, payloads.append), payloads, hear
 
     def _forget(self, nearer: Collection[str]) -> None:
         """Forget what was heard, as a truth has appeared that is nearer to the estimate."""
         told = f"the truth is on {listed(sorted(nearer))}, not on {listed(sorted(self._true_kinds))}"
         self._node.get_logger().warning(f"{told}: the comparison of {self.estimate} begins anew")
-        for subscription, _ in self._subscriptions.values():
+        for subscription, _, _ in self._subscriptions.values():
             self._node.destroy_subscription(subscription)
         self.live = None
         self._subscriptions = {}
@@ -121,9 +124,15 @@ class Following:
 
     def take(self) -> None:
         """Hand on the messages that have come: those of the truth last, which is then ahead of the estimate."""
-        for topic, (subscription, hear) in self._subscriptions.items():
-            if payloads := taken(subscription):
-                self._hand_on(topic, payloads, hear)
+        before = -1
+        while before < (count := sum(len(payloads) for _, payloads, _ in self._subscriptions.values())) < MESSAGES_KEPT:
+            before = count
+            self._spin(0.0)
+        for topic, (_, payloads, hear) in self._subscriptions.items():
+            come = payloads.copy()
+            payloads.clear()
+            if come:
+                self._hand_on(topic, come, hear)
 
     def _hand_on(self, topic: str, payloads: list[bytes], hear: Hear) -> None:
         """Hand on messages; one that cannot be read costs itself, and the first of a topic is logged."""
@@ -202,22 +211,16 @@ class Following:
         return usable[0]
 
 
-class Unspun(CallbackGroup):
-    """A group whose callbacks no executor carries out: `taken` takes its messages, in a fraction of the time."""
-
-    def can_execute(self, entity: object) -> bool:
-        """Tell the executor of the node that there is nothing to do."""
-        return False
-
-
-def subscribe(node: Node, topic: str, kind: str) -> Subscription:
-    """Subscribe to a topic, whose messages `taken` takes as bytes.
+def subscribe(node: Node, topic: str, kind: str, hear: Callable[[bytes], None]) -> Subscription:
+    """Subscribe to a topic, whose messages are taken as bytes.
 
     Parameters
     ----------
     node : Node
     topic, kind : str
         Name and message type of the topic.
+    hear : callable
+        Takes the bytes of a message.
 
     Raises
     ------
@@ -229,13 +232,10 @@ def subscribe(node: Node, topic: str, kind: str) -> Subscription:
     except ImportError:
         package, _, name = kind.split("/")
         raise InputError(
-            f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
-            f"ros-jazzy-{package.replace('_', '-')}"
+            f"topic {topic} is of {package}/{name}: {package} is not installed: {how_to_install(package)}"
         ) from None
     with translated_errors(f"to listen to {topic}"):
-        return node.create_subscription(
-            message, topic, lambda payload: None, _quality(node, topic), raw=True, callback_group=Unspun()
-        )
+        return node.create_subscription(message, topic, hear, _quality(node, topic), raw=True)
 
 
 def _quality(node: Node, topic: str) -> QoSProfile:
@@ -248,10 +248,3 @@ def _quality(node: Node, topic: str) -> QoSProfile:
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
-
-
-def taken(subscription: Subscription) -> list[bytes]:
-    """The bytes of the messages that have come, as rclpy.wait_for_message takes one."""
-    take = partial(subscription.handle.take_message, subscription.msg_type, True)
-    with subscription.handle:
-        return [payload for payload, _ in iter(take, None)]

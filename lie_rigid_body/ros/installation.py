@@ -38,10 +38,17 @@ def require_ros() -> None:
     missing = [name for name in REQUIRED_PACKAGES if not is_installed(name)]
     if missing:
         raise InputError(
-            f"{missing[0]} is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, "
-            "pip install '.[ros]'; or use what needs no ROS, 'record' and 'evaluate BAG'"
+            f"{missing[0]} is not installed: {how_to_install(missing[0])}; or use what needs no ROS, 'record' and "
+            "'evaluate BAG'"
         )
     require_environment()
+
+
+def how_to_install(package: str) -> str:
+    """Remedy for a package of ROS that is missing: by apt, for the distribution that is sourced, if one is."""
+    if distribution := os.environ.get("ROS_DISTRO"):
+        return f"apt install ros-{distribution}-{package.replace('_', '-')}"
+    return "source /opt/ros/DISTRIBUTION/setup.bash; without it, on Python 3.12 to 3.14, pip install '.[ros]'"
 
 
 def require_environment() -> None:

@@ -5,15 +5,16 @@ from __future__ import annotations
 import difflib
 import os
 import sys
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from datetime import datetime
 from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.recording.poses import with_path
-from lie_rigid_body.ros.sim import parse
+from lie_rigid_body.ros.installation import how_to_install
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import gather
+from lie_rigid_body.scenario.parameter_file import NODE_NAME, gather, parse_assignment
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
 from lie_rigid_body.sensors import frame_parameters
 
@@ -23,6 +24,79 @@ _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 def descriptions() -> dict[str, str]:
     """Descriptions of the node's parameters by their names, which are those of launch arguments as well."""
     return {parameter.name: parameter.description for parameter in PARAMETERS}
+
+
+def description(
+    file: str,
+    arguments: Mapping[str, tuple[str, str]],
+    nodes: Callable[[dict[str, str]], list[Any]],
+    parameters: Collection[str] = BY_NAME,
+) -> Any:
+    """The launch of some nodes, once all that they need is found.
+
+    Parameters
+    ----------
+    file : str
+        Path of the launch file.
+    arguments : mapping of str to (str, str)
+        Default and description of its arguments; one that is ``false`` is a switch.
+    nodes : callable
+        Gives the nodes for the values of all arguments.
+    parameters : collection of str, optional
+        Parameters of the simulator that are arguments as well, without a default.
+
+    Returns
+    -------
+    launch.LaunchDescription
+    """
+    from launch import LaunchDescription  # type: ignore[attr-defined]  # else it is our folder of that name
+    from launch.actions import DeclareLaunchArgument, OpaqueFunction
+    from launch.substitutions import LaunchConfiguration
+
+    known = {**arguments, **{name: ("", text) for name, text in descriptions().items() if name in parameters}}
+
+    def started(context: Any) -> list[Any]:
+        require_known(file, context.argv, known)
+        return nodes({name: LaunchConfiguration(name).perform(context) for name in known})
+
+    switch = {"choices": ["true", "false"]}
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text, **(switch if default == "false" else {}))
+        for name, (default, text) in known.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=started)])
+
+
+def simulator(given: Mapping[str, str], name: str = NODE_NAME, namespace: str = "") -> tuple[dict[str, Any], Scenario]:
+    """Settings of the simulator for ``launch_ros.actions.Node`` by launch arguments, and its scenario.
+
+    The scenario's name is an argument of its own command line. The rest are parameters, which win over it, and which
+    other launch files see and set.
+
+    Raises
+    ------
+    InputError
+        If the simulator would refuse them.
+    """
+    own = {
+        each: BY_NAME[each].read(parse_assignment(f"{each}:={given[each]}")[1]) for each in BY_NAME if given.get(each)
+    }
+    files = [given["params_file"]] if given["params_file"] else []
+    values = gather(given["scenario"] or None, files, (), name, f"/{namespace.strip('/')}")
+    scenario = Scenario.from_parameters(with_path({**values, **own}))
+    plain = {each: list(value) if isinstance(value, tuple) else value for each, value in own.items()}
+    words = ["--scenario", given["scenario"]] if given["scenario"] else []
+    for each in [each for each, value in plain.items() if value == []]:  # for which launch_ros has no type
+        words += ["-p", f"{each}:=[]"]
+        del plain[each]
+    settings = {"package": NODE_NAME, "executable": "sim", "name": name, "namespace": namespace}
+    return {**settings, "arguments": words, "parameters": [*files, *([plain] if plain else [])]}, scenario
+
+
+def dated_bag(namespace: str, name: str = "") -> str:
+    """Name of a bag, after the node and the time."""
+    words = [word for word in (*namespace.split("/"), name) if word]
+    return f"{'_'.join(words)}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"
 
 
 def frames() -> dict[str, str]:
@@ -73,38 +147,10 @@ def require_executables(*wanted: tuple[str, str]) -> None:
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     for package, executable in wanted:
         if not any(os.access(Path(prefix, "lib", package, executable), os.X_OK) for prefix in prefixes):
-            distribution = os.environ.get("ROS_DISTRO", "jazzy")
             raise InputError(
                 f"{executable} of the package {package} is not there: nothing was started; source its workspace, or "
-                f"apt install ros-{distribution}-{package.replace('_', '-')}"
+                f"{how_to_install(package)}"
             )
-
-
-def arguments_of_node(scenario: str, params_file: str, parameters: Mapping[str, str]) -> list[str]:
-    """The arguments of the node's own command line, for what launch arguments give; empty: not given."""
-    assignments = (("-p", f"{name}:={value}") for name, value in parameters.items() if value)
-    options = (("--scenario", scenario), ("--params-file", params_file), *assignments)
-    return [word for option, value in options if value for word in (option, value)]
-
-
-def scenario_of_node(words: list[str], name: str, namespace: str) -> Scenario:
-    """The scenario that a node will find in its arguments.
-
-    Parameters
-    ----------
-    words : list of str
-        As `arguments_of_node` gives them.
-    name, namespace : str
-        Of the node.
-
-    Raises
-    ------
-    InputError
-        If the node would refuse them.
-    """
-    given = parse(words)
-    parameters = gather(given.scenario, given.params_file, given.assignments, name, f"/{namespace.strip('/')}")
-    return Scenario.from_parameters(with_path(parameters))
 
 
 def shut_down_if_failed(event: Any, context: object) -> object | None:

@@ -82,7 +82,9 @@ class SimulatorNode(Node):
 
     def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         with translated_errors("this node"):
-            super().__init__(NODE_NAME, start_parameter_services=False)
+            super().__init__(
+                NODE_NAME, start_parameter_services=False, automatically_declare_parameters_from_overrides=True
+            )
         try:
             self._furnish(given)
         except BaseException:
@@ -107,7 +109,6 @@ class SimulatorNode(Node):
             keep_all=values["real_time_factor"] == 0.0 or in_lockstep,
             imu_last=in_lockstep,
         )
-        self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
         self.sinks: list[Sink] = [self.publisher, self._diagnostics]
         if marker_rate := values["marker_rate"]:
@@ -148,7 +149,6 @@ class SimulatorNode(Node):
             for change in changes:
                 if change.name == "real_time_factor":
                     run.ask(run.change_factor, change.value)
-                    self.publisher.set_factor(change.value)
 
         self.add_post_set_parameters_callback(change_factor)
         offer_triggers(self, run, self.parameters.scenario)

@@ -16,7 +16,7 @@ from typing import Any, Final, TypeAlias
 import yaml
 
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import shown, suggestion
+from lie_rigid_body.foundation.wording import program, shown, suggestion
 from lie_rigid_body.system.bounded_input import BoundedLoader, load_yaml, read_text
 
 CONFIG: Final = Path(__file__).parent.parent / "config"
@@ -126,7 +126,7 @@ def recording(bag: str, duration_s: float, parameters: Mapping[str, object], sce
     """The command, for a shell, that records a run of a scenario with parameters over its own."""
     named = ["--scenario", scenario] if scenario else []
     return shlex.join(
-        ["lie-rigid-body", "record", bag, "--duration", f"{duration_s:g}", *named, *assignments(parameters)]
+        [*program("record").split(), bag, "--duration", f"{duration_s:g}", *named, *assignments(parameters)]
     )
 
 
@@ -300,8 +300,16 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, obj
 
 
 _Loader.yaml_implicit_resolvers = {}
+
+
+def _construct_list(loader: _Loader, node: yaml.SequenceNode) -> list[object]:
+    """A list as launch_ros writes it."""
+    return loader.construct_sequence(node, deep=True)
+
+
 _Loader.add_constructor(_TEXT, _construct_scalar)
 _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
+_Loader.add_constructor("tag:yaml.org,2002:python/tuple", _construct_list)
 
 
 def _sections(content: Mapping[str, object], name: str, source: str) -> Iterator[tuple[str, Mapping[str, object]]]:

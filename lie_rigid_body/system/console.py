@@ -23,6 +23,7 @@ from lie_rigid_body.foundation.errors import (
 )
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import printable
+from lie_rigid_body.foundation.wording import program as program
 from lie_rigid_body.system.interruption import Interruption
 
 if TYPE_CHECKING:
@@ -38,16 +39,6 @@ DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 
 
 Main = Callable[[Sequence[str] | None], int]
-
-
-def program(verb: str) -> str:
-    """The command of a verb: an executable of its own where ROS 2 installed this one, else one of ``lie-rigid-body``.
-
-    ROS 2 has executables in ``lib/lie_rigid_body``, where ``python -m lie_rigid_body`` has its ``__main__.py``.
-    """
-    this = Path(sys.argv[0])
-    of_ros = this.parent.name == PACKAGE and this.suffix != ".py"
-    return f"ros2 run {PACKAGE} {verb}" if of_ros else f"lie-rigid-body {verb}"
 
 
 def how_to_certify(bag: str | Path) -> str:

@@ -63,7 +63,8 @@ class Interpreter:
                 [
                     sys.executable,
                     "-c",
-                    f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()",
+                    f"import sys; sys.path[:] = {sys.path!r}; sys.argv = {sys.argv[:1]!r}; "  # for `console.program`
+                    f"from {__name__} import serve; serve()",
                 ],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,

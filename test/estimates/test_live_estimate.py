@@ -550,3 +550,21 @@ def test_the_last_after_a_pause_count(without, stamps, noisy, with_estimate):
     rows = np.r_[:70, 147, 148]
     read = recorded_estimate(with_estimate(stamps[rows], noisy[rows], without=without), "/estimate")
     assert read.track.stamps_ns.tolist() == stamps[rows].tolist()
+
+
+def test_the_score_of_a_duration_is_the_same_whenever_the_poses_behind_it_come(with_estimate):
+    """To the last digit, as a job may compare two of them; until its last pose has come it is not ready."""
+    heard = list(of(with_estimate(how=HOW[POSE_STAMPED])))
+    estimates = [payload for topic, payload in heard if topic == "/estimate"]
+    poses = [payload for topic, payload in heard if topic == "/pose"]
+    ready, scores = [], []
+    for count in (63, 64, 70, 149):  # the duration ends between the 63rd and the 64th
+        live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=2.5)
+        live.truth.hear_poses("/pose", POSE_STAMPED, poses[:count])  # which alone tell it: between them it is a spline
+        live.hear_estimates(estimates[:101])
+        live.judge()
+        assert live.is_complete
+        ready.append(live.has_its_truth)
+        scores.append(live.score()[1].to_dict())
+    assert ready == [False, True, True, True]
+    assert scores[1] == scores[2] == scores[3] != scores[0]

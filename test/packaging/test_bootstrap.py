@@ -95,10 +95,26 @@ def test_make_without_any_python_is_one_clear_line(target: str) -> None:
     assert "3.10" in ours[0]
 
 
-def test_oldest_without_python_312_is_left_out_and_says_so() -> None:
-    done = make("test-oldest", "PYTHON_ROS=none")
+@pytest.mark.parametrize(("target", "said"), [("test-oldest", "3.12"), ("test-kilted", "3.13")])
+def test_without_its_python_a_target_is_left_out_and_says_so(target: str, said: str) -> None:
+    done = make(target, "PYTHON_ROS=none")
     assert done.returncode == 0
-    assert "3.12" in done.stderr
+    assert said in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("version", "fitting"),
+    [("3.11", "headless"), ("3.12", "headless live jazzy"), ("3.14", "headless live kilted"), ("3.15", "headless")],
+)
+def test_each_version_of_python_has_its_client_library(version: str, fitting: str, tmp_path: Path) -> None:
+    """Of Jazzy 3.12, of Kilted the two after it; the Python of the test stands in for that of a version."""
+    major, minor = version.split(".")
+    told = f"import sys; sys.version_info = ({major}, {minor}, 0, 'final', 0)"
+    shim = f'#!/bin/sh\nexec "{BASE_PYTHON}" -c "{told}; code = sys.argv.pop(1); exec(code)" "$4" "$5"\n'
+    python = executable(tmp_path / f"python{version}", shim)
+    kinds = ("headless", "live", "jazzy", "kilted")
+    found = {kind: find_python(kind, PYTHON=str(python)).returncode for kind in kinds}
+    assert found == {kind: 0 if kind in fitting.split() else 3 for kind in kinds}
 
 
 def test_a_python_for_pybullet_is_310_or_311() -> None:

@@ -179,7 +179,7 @@ def test_a_truth_that_appears_later_takes_the_place_of_another_body(peer: Peer) 
         return live
 
     with Peer("evaluator") as other:
-        own, rooted = (Following(other.node, begin) for _ in range(2))
+        own, rooted = (Following(other.node, lambda seconds: None, begin) for _ in range(2))
         own.estimate, rooted.estimate = "/a/imu/data", "/imu/data"
         for following in (own, rooted):
             peer.node.create_publisher(Imu, following.estimate, 1)

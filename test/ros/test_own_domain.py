@@ -12,7 +12,7 @@ from importlib.util import find_spec
 import pytest
 
 from lie_rigid_body.foundation.errors import LieRigidBodyError
-from ros_domains import own_domain
+from ros_domains import PROFILES_FILE, own_domain
 
 if find_spec("rclpy"):
     from lie_rigid_body.ros import play
@@ -65,7 +65,7 @@ rclpy.spin(node)
 def a_node(domain: int) -> Iterator[None]:
     """A node in a domain, with the transports that a robot has, and not those of the tests."""
     environment = {**os.environ, "ROS_DOMAIN_ID": f"{domain}"}
-    environment.pop("FASTRTPS_DEFAULT_PROFILES_FILE", None)
+    environment.pop(PROFILES_FILE, None)
     process = subprocess.Popen([sys.executable, "-c", NODE], env=environment, stdout=subprocess.PIPE)
     try:
         assert process.stdout

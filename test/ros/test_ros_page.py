@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 
+from lie_rigid_body.foundation.wording import snake_case
 from lie_rigid_body.scenario.parameter_file import CONFIG
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
@@ -21,7 +22,7 @@ if find_spec("rclpy"):
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
     from lie_rigid_body.ros.control.parameters import FIXED, IMMEDIATE
-    from lie_rigid_body.ros.control.services import StandardServices, snake_case
+    from lie_rigid_body.ros.control.services import StandardServices
     from lie_rigid_body.ros.session import OF_EVERY_NODE
 
 pytestmark = pytest.mark.ros

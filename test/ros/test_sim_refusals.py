@@ -90,15 +90,14 @@ def test_an_end_while_a_wait_begins_is_no_failed_callback(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     import rclpy
-    from rclpy.executors import MultiThreadedExecutor
 
     from lie_rigid_body.ros import session
 
-    def spin(executor: MultiThreadedExecutor) -> None:
+    def wait(executor: session.Pool, timeout_sec: float) -> None:
         rclpy.try_shutdown()
         raise RuntimeError("the context of the wait set is not valid")
 
-    monkeypatch.setattr(MultiThreadedExecutor, "spin", spin)
+    monkeypatch.setattr(session.Pool, "wait_for_ready_callbacks", wait)
     with session.initialised([]), session.spinning(rclpy.create_node("ended")):
         pass
     assert capfd.readouterr() == ("", "")

@@ -71,7 +71,11 @@ SCALARS = [
     ('"true"', "true"),
     ("''", ""),
     ("!!str 5", "5"),
+    ("!!float 100", 100.0),
+    ("!!int 7", 7),
+    ("!!bool yes", True),
     ("[1.0, -2e0, .5]", [1.0, -2.0, 0.5]),
+    ("!!python/tuple [1.0, 2.5]", [1.0, 2.5]),  # as launch_ros writes lists
     ("[]", []),
 ]
 

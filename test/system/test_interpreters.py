@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.foundation.errors import FilterError, InputError
+from lie_rigid_body.system.console import program
 from lie_rigid_body.system.interpreters import Interpreter
 
 LIMIT_S = 60.0
@@ -166,3 +167,8 @@ def _wait_for_end(status):
     with suppress(FileNotFoundError, ProcessLookupError):
         while status.read_text().split()[2] != "Z":
             time.sleep(0.01)
+
+
+def test_a_command_has_the_name_of_the_installation_that_asks(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["/opt/ws/lib/lie_rigid_body/check", "a.mcap"])
+    assert Interpreter().ask(partial(program, "recover"), 20.0) == "ros2 run lie_rigid_body recover"

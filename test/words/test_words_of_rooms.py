@@ -10,7 +10,7 @@ from sentences import command_entries, commands, compare, entries, module_of, ro
 
 OF_ROS = {"ros", "nodes"}
 # whose examples take seconds
-SLOW = {"certificate", "evaluation", "launch", "nodes", "verbs"}
+SLOW = {"certificate", "evaluation", "nodes", "verbs"}
 ROOMS = [
     pytest.param(room, marks=[pytest.mark.ros] * (room in OF_ROS) + [pytest.mark.slow] * (room in SLOW))
     for room in rooms()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from types import SimpleNamespace
 from unittest.mock import patch
@@ -149,8 +150,8 @@ def why_launch_ends(handle, status):
         return handle(SimpleNamespace(process_name="it-3", returncode=status), SimpleNamespace(is_shutdown=False))
 
 
-def without(package):
-    with patch.dict(sys.modules, {package: None}):
+def without(package, distribution=""):
+    with patch.dict(sys.modules, {package: None}), patch.dict(os.environ, {"ROS_DISTRO": distribution}):
         require_ros()
 
 
@@ -168,6 +169,7 @@ REFUSED = {
         lambda: abandoned().wait(),
         lambda: closed().ask(int),
         lambda: without("rclpy"),
+        lambda: without("visualization_msgs", "lyrical"),
         lambda: launching.fail_unless_shut_down(ENDED, SimpleNamespace(is_shutdown=False)),
         lambda: unanswered(3),
         lambda: unanswered(0),

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, Final
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rcl_interfaces.msg import Parameter as ParameterMessage
-from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rcl_interfaces.srv import (
+    DescribeParameters,
+    GetParameters,
+    GetParameterTypes,
+    ListParameters,
+    SetParameters,
+    SetParametersAtomically,
+)
+from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
-from rclpy.parameter_service import ParameterService
+from rclpy.qos import qos_profile_parameters
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.parameters import Parameter, Value
-from lie_rigid_body.foundation.wording import suggestion
+from lie_rigid_body.foundation.wording import snake_case, suggestion
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
@@ -47,19 +56,21 @@ FIXED: Final[Mapping[str, str]] = {
 IMMEDIATE: Final = frozenset({"real_time_factor"})
 """Parameters that take effect without a reset."""
 
-_OF_EVERY_NODE: Final = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+_DECLARED_BY_RCLPY: Final = ("use_sim_time", "start_type_description_service")
+_OF_PUBLISHERS: Final = "qos_overrides."
 _TYPES: Final = frozenset(kind.value for kind in RosParameter.Type)
 
 
-class NodeParameters(ParameterService):  # type: ignore[misc]
-    """The parameters of a node, and the services that tell and change them.
+class NodeParameters:
+    """The parameters of a node, judged together as a scenario whoever sets them, and the services for them.
 
-    A refusal gives value, limit and remedy, which that of rclpy does not. On a value of an unknown type rclpy's handler
-    fails, and whoever asked waits for ever.
+    The services are this package's own. A refusal gives value, limit and remedy, which that of rclpy does not. On a
+    value of an unknown type rclpy's handler fails, and whoever asked waits for ever.
 
     Parameters
     ----------
     node : Node
+        It declares the parameters of ROS arguments by itself.
     given : mapping of str to object
         Values from the node's own command line. Those of ROS arguments win over them.
 
@@ -84,7 +95,18 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
             ignore_override=True,
         )
         node.set_parameters(empty)
-        super().__init__(node)
+        node.add_pre_set_parameters_callback(_in_own_types)
+        node.add_on_set_parameters_callback(self._judge)
+        handlers: dict[type, Callable[[Any, Any], Any]] = {
+            DescribeParameters: self._describe,
+            GetParameterTypes: self._tell_types,
+            GetParameters: self._tell,
+            ListParameters: self._list,
+            SetParameters: self._set_each,
+            SetParametersAtomically: self._set_together,
+        }
+        for kind, handle in handlers.items():
+            node.create_service(kind, f"~/{snake_case(kind.__name__)}", handle, qos_profile=qos_profile_parameters)
 
     def values(self) -> dict[str, Any]:
         """The present value of every parameter, by name."""
@@ -97,13 +119,25 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario
 
-    def _set_parameters_callback(
-        self, request: SetParameters.Request, response: SetParameters.Response
-    ) -> SetParameters.Response:
+    def _judge(self, changes: list[RosParameter]) -> SetParametersResult:
+        """Whether the parameters make a scenario with some of them changed, all together."""
+        new = {change.name: change.value for change in changes}
+        try:
+            if new.get("use_sim_time"):
+                raise InputError(
+                    "use_sim_time: the samples follow a steady clock of this node, and no /clock: leave it false"
+                )
+            if own := {name: value for name, value in new.items() if name in BY_NAME}:
+                live_scenario({**self.values(), **own})
+        except LieRigidBodyError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _set_each(self, request: SetParameters.Request, response: SetParameters.Response) -> SetParameters.Response:
         response.results = [self._set([change]) for change in request.parameters]
         return response
 
-    def _set_parameters_atomically_callback(
+    def _set_together(
         self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response
     ) -> SetParametersAtomically.Response:
         response.result = self._set(request.parameters)
@@ -113,9 +147,8 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         """Set all of them or none."""
         try:
             read = [self._read(change) for change in changes]
-            new = {change.name: change.value for change in read if change.name in BY_NAME}
-            live_scenario({**self.values(), **new})
-            return self._node.set_parameters_atomically(read)
+            judged = self._judge(read)  # before rclpy, whose refusals of ranges give no remedy
+            return self._node.set_parameters_atomically(read) if judged.successful else judged
         except LieRigidBodyError as error:  # also of what acts on a change, if it has ended
             return SetParametersResult(successful=False, reason=str(error))
 
@@ -131,6 +164,41 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
             raise InputError(f"{name}: no such parameter: {suggestion(name, BY_NAME, 'parameters')}")
         given = RosParameter.from_parameter_msg(change)
         return _as_ros(BY_NAME[name], BY_NAME[name].read(given.value)) if name in BY_NAME else given
+
+    def _describe(self, request: Any, response: Any) -> Any:
+        response.descriptors = _of_all(request.names, self._node.describe_parameter)
+        return response
+
+    def _tell(self, request: Any, response: Any) -> Any:
+        response.values = _of_all(request.names, lambda name: self._node.get_parameter(name).get_parameter_value())
+        return response
+
+    def _tell_types(self, request: Any, response: Any) -> Any:
+        response.types = _of_all(request.names, lambda name: self._node.get_parameter(name).type_.value)
+        return response
+
+    def _list(self, request: Any, response: Any) -> Any:
+        response.result = self._node.list_parameters(request.prefixes, request.depth)
+        return response
+
+
+def _of_all(names: Iterable[str], told: Callable[[str], Any]) -> list[Any]:
+    """What is told of each parameter; nothing where one is not there or has no value, as rclpy has it."""
+    try:
+        return [told(name) for name in names]
+    except (ParameterNotDeclaredException, ParameterUninitializedException):
+        return []
+
+
+def _in_own_types(changes: list[RosParameter]) -> list[RosParameter]:
+    """Changes in their parameters' own types, as far as they can be read: what cannot is refused after that."""
+    read = list[RosParameter]()
+    for change in changes:
+        own = BY_NAME.get(change.name)
+        with suppress(LieRigidBodyError):
+            change = change if own is None else _as_ros(own, own.read(change.value))
+        read.append(change)
+    return read
 
 
 def _as_ros(parameter: Parameter, value: Value) -> RosParameter:
@@ -161,7 +229,12 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
 
 
 def overrides(node: Node) -> dict[str, object]:
-    """All values that ROS arguments and files give the node, also under names that it does not declare."""
-    with node.handle:
-        overrides = node.handle.get_parameters(RosParameter)
-    return {name: override.value for name, override in overrides.items() if not name.startswith(_OF_EVERY_NODE)}
+    """All values that ROS arguments and files give the node, also under names that it will not declare.
+
+    The node has declared them by itself, as they are; here they are undeclared, to be declared as what they are.
+    """
+    names = node.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
+    given = {name: node.get_parameter(name).value for name in names if name not in _DECLARED_BY_RCLPY}
+    for name in given:
+        node.undeclare_parameter(name)
+    return {name: value for name, value in given.items() if not name.startswith(_OF_PUBLISHERS)}

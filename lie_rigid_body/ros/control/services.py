@@ -23,7 +23,7 @@ from std_srvs.srv import Trigger
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.foundation.wording import numerals, shown
+from lie_rigid_body.foundation.wording import numerals, shown, snake_case
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.mass_centre import MassCentre
@@ -417,11 +417,6 @@ def _is_found(pattern: str, name: str) -> bool:
         raise LieRigidBodyError(
             f"filter {shown(pattern)} is no regular expression ({error}): give another, or none"
         ) from None
-
-
-def snake_case(name: str) -> str:
-    """A name in snake case: ``GetEntities`` as ``get_entities``."""
-    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")
 
 
 def _components(message: Any) -> list[float]:

@@ -32,15 +32,10 @@ DEPTH: Final = 4 * MAX_BATCH
 """Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
 CLOCK_DEPTH: Final = 6 * DEPTH
 """Messages of the clock kept: it has one for each time of the truth, of each sensor and of a fault."""
-BATCH_CONFIRMATION_NS: Final = 10_000_000
-"""Longest wait on each topic for subscribers to confirm full batches, ns: one that hangs must not hold up the
-others."""
 LAST_CONFIRMATION_NS: Final = 100_000_000
 """Longest wait on each topic for subscribers to confirm the last samples when the node ends, ns."""
 LAST_SENDING_NS: Final = NS
 """Longest wait for room for the last samples when the node ends, ns."""
-ON_TIME_NS: Final = 5_000_000
-"""Largest lateness, ns, with which samples go out at their own rate; later ones wait for subscribers."""
 LATE_NS: Final = NS
 """Lateness of samples, ns, from which on a warning is logged."""
 WARNING_INTERVAL_NS: Final = 10 * NS
@@ -97,13 +92,7 @@ class SamplePublisher(Sink):
             self._add(CLOCK, Clock, self._quality(CLOCK_DEPTH))
         self._clock_ns = 0
         self._add_sensors(sensors)
-        self._unconfirmed = 0
-        self._is_limited = True
         self._warned_ns = -WARNING_INTERVAL_NS
-
-    def set_factor(self, factor: float) -> None:
-        """Take the real-time factor; 0: as fast as possible."""
-        self._is_limited = factor > 0.0
 
     def _quality(self, depth: int = DEPTH) -> QoSProfile:
         return QoSProfile(history=self._history, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
@@ -129,9 +118,6 @@ class SamplePublisher(Sink):
         """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
         self._rest.extend(self._in_order(batch))
         self.ready()
-        self._unconfirmed += max(len(messages.payloads) for messages in batch.topics)
-        if self._unconfirmed >= MAX_BATCH and self._history is HistoryPolicy.KEEP_LAST:
-            self._wait_for_confirmation(BATCH_CONFIRMATION_NS)
 
     def ready(self) -> bool:
         """Send the messages that were kept; return whether there is room for more.
@@ -163,28 +149,22 @@ class SamplePublisher(Sink):
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Log a warning when the samples are late, at most one in ten seconds; return `FOREVER`, as no tick is due."""
         late = punctuality.lateness_ns
-        if late < ON_TIME_NS and self._is_limited:
-            self._unconfirmed = 0
         if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
             self._warned_ns = steady_ns
             self._node.get_logger().warning(f"{late / NS:.1f} s late, catching up; no sample is left out")
         return FOREVER
 
     def close(self) -> None:
-        """Send the messages that were kept, and wait for subscribers to confirm the last ones."""
+        """Send the messages that were kept, and wait for subscribers to confirm the last ones.
+
+        Only now: the wait holds up every thread of Python, and Fast DDS confirms within 3 s, when a heartbeat is due.
+        """
         end = time.monotonic_ns() + LAST_SENDING_NS
         while not self.ready() and time.monotonic_ns() < end:
             pass  # the middleware waits in each attempt
-        self._wait_for_confirmation(LAST_CONFIRMATION_NS)
-
-    def _wait_for_confirmation(self, longest_ns: int) -> None:
-        """Wait until subscribers have confirmed all messages, on each topic at most ``longest_ns``."""
-        self._unconfirmed = 0
-        samples = [publisher for topic, publisher in self.publishers.items() if topic not in (PRIVATE_SCENARIO, CLOCK)]
-        end = time.monotonic_ns() + len(samples) * longest_ns
-        for publisher in samples:
-            left = min(longest_ns, max(0, end - time.monotonic_ns()))
-            publisher.wait_for_all_acked(Duration(nanoseconds=left))
+        for topic, publisher in self.publishers.items():
+            if topic not in (PRIVATE_SCENARIO, CLOCK):
+                publisher.wait_for_all_acked(Duration(nanoseconds=LAST_CONFIRMATION_NS))
 
 
 def clock_bytes(stamp_ns: int) -> bytes:

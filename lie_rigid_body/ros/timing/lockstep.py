@@ -15,7 +15,8 @@ from lie_rigid_body.sensors.imu import IMU_SENSOR
 LOOK_NS: Final = 100_000_000
 """Longest time between two looks whether samples are still held back, ns."""
 FIRST_NS: Final = NS
-"""Longest wait for the answer to a reading before any answer came, ns: some filters begin with a later reading."""
+"""Longest wait for an answer that may never come, ns: some filters begin with a later reading, or have paired the
+partner of this one with another."""
 STAMPS_KEPT: Final = 1000
 """Stamps of each sensor that are remembered until all have a reading of the same stamp."""
 
@@ -26,7 +27,9 @@ class Lockstep:
     An IMU reading can be answered once every other sensor that the filter hears has delivered a reading of the same
     stamp, before it or after it. Then its answer is awaited, unless that has come already, or a reading of that stamp
     or a later one was awaited before. Other readings are not waited for: a filter that pairs its sensors has no answer
-    to them. Before its first answer, a filter is waited for no longer than `FIRST_NS` at each reading.
+    to them. Before its first answer, a filter is waited for no longer than `FIRST_NS` at each reading. The same holds
+    after its answer to a reading that has no partner. There message_filters' ApproximateTime may have spent the partner
+    of the awaited reading, where both sensors lose some.
 
     Parameters
     ----------
@@ -50,6 +53,7 @@ class Lockstep:
         self._others = self._other_ns = 0
         self._waited_ns = self._awaited_at_ns = self._asked_ns = 0
         self._longest_ns = min(FIRST_NS, timeout_ns)
+        self._unanswered = deque[int](maxlen=STAMPS_KEPT)
 
     @property
     def is_waiting(self) -> bool:
@@ -93,6 +97,8 @@ class Lockstep:
         for name, stamp in sorted(readings, key=lambda reading: reading[0] == IMU_SENSOR.name):  # as published
             if name in heard:
                 self._delivered[name].append(stamp)
+                if name == IMU_SENSOR.name:
+                    self._unanswered.append(stamp)
                 if stamp > self._latest_ns and all(stamp in self._delivered[one] for one in heard):
                     self._await(stamp)
 
@@ -110,7 +116,10 @@ class Lockstep:
         if stamp_ns in self._awaited:
             self._awaited.remove(stamp_ns)
             self._waited_ns = 0
+            self._unanswered = deque((s for s in self._unanswered if s > stamp_ns), maxlen=STAMPS_KEPT)
         else:
+            if stamp_ns in self._unanswered:
+                self._longest_ns = min(FIRST_NS, self._timeout_ns)
             self._others += 1
             self._other_ns = stamp_ns
             if stamp_ns in self._delivered[IMU_SENSOR.name]:  # answered before its partners came

@@ -257,3 +257,37 @@ def test_a_reset_with_the_same_sensors_goes_on_and_with_others_looks_anew() -> N
     run.time.calls = {50: Call(partial(run.live.reset, more))}
     run.live.run()
     assert run.looks == 2
+
+
+@pytest.mark.parametrize("is_spent", [True, False])
+def test_a_reading_whose_partner_another_has_spent_is_waited_for_a_second(is_spent: bool) -> None:
+    """As by ApproximateTime: imu(1) alone, then both of 2, and it answers imu(1) with the magnetometer's 2."""
+    lockstep = Lockstep("/imu/data", lambda: ("imu", "magnetometer"), 10 * NS)
+    lockstep.begin_segment(["imu", "magnetometer"])
+    now = 0
+
+    def waited(stamp: int) -> int:
+        nonlocal now
+        lockstep.sent([("magnetometer", stamp), ("imu", stamp)])
+        begin = now
+        while lockstep.holds(now):
+            now += NS // 10
+            if is_spent and stamp == 2 and now == begin + NS // 10:
+                lockstep.hear(1)
+            if stamp in (0, 3):
+                lockstep.hear(stamp)
+        return now - begin
+
+    assert waited(0) == NS // 10
+    lockstep.sent([("imu", 1)])
+    assert not lockstep.is_waiting
+    if is_spent:
+        assert NS < waited(2) < 2 * NS
+        assert waited(3) == NS // 10
+        now += NS
+        with pytest.raises(LieRigidBodyError):
+            waited(4)
+    else:
+        with pytest.raises(LieRigidBodyError):
+            waited(2)
+    assert now > 10 * NS
