@@ -21,6 +21,8 @@ MAX_VALUE: Final = 60
 MAX_NAMES: Final = 5
 """Largest number of names listed in a line."""
 
+SI: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "gravity": "m/s²", "magnetometer": "T"}
+"""Units of the readings of sensors."""
 _GAP: Final = "..."
 _MAX_NUMBERS: Final = 7
 

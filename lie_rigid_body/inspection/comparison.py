@@ -99,18 +99,18 @@ def liveliest(gyro: Stream) -> Stream:
     return max(stretches, key=lambda each: float(np.linalg.eigvalsh(each.readings.T @ each.readings)[0]))
 
 
-def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorComparison | None:
+def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison | None:
     """Search, choose and refine an explanation of all sensors; what cannot be compared is told.
 
     Parameters
     ----------
     gyro : Stream
-    others : sequence of Stream
+    *others : Stream
         Accelerometer and magnetometer, as far as there are such.
     found : Findings
     """
     gyro = liveliest(gyro)
-    found.marks.append(Mark("", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
+    found.marks.append(Mark("log", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
     vectors = list(_vectors(gyro, others, found))
     if not vectors:
         return None

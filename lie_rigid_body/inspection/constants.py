@@ -5,7 +5,7 @@ Standard errors come from the scatter between successive chunks of the log.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -32,6 +32,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     UNSEEN_SHARE,
     Gyro,
+    nearest_unit,
 )
 from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit
@@ -107,10 +108,9 @@ class Constants:
     ----------
     misfit : float
         Share of the vector.
-    size : float
-        RMS of what is constant in the world, in the unit of the readings.
-    swing : float
-        RMS of its change from window to window, as a share of it.
+    means : ndarray, shape (W, 3)
+        What is constant in the world, in windows of about `SWING_LENGTH_S` that start half a length apart, in the unit
+        of the readings.
     rate_bias, rate_bias_sigma : ndarray, shape (3,)
         Bias of the gyro, rad/s, in its frame.
     offset, offset_sigma : ndarray, shape (3,)
@@ -126,8 +126,7 @@ class Constants:
     """
 
     misfit: float
-    size: float
-    swing: float
+    means: Array
     rate_bias: Array
     rate_bias_sigma: Array
     offset: Array
@@ -138,6 +137,16 @@ class Constants:
     shape_misfit: float
     shape_offset: Array
     shape_offset_sigma: Array
+
+    @property
+    def size(self) -> float:
+        """RMS of the means."""
+        return rms(np.linalg.norm(self.means, axis=1))
+
+    @property
+    def swing(self) -> float:
+        """RMS of the change of the means from window to window, over their size."""
+        return rms(np.linalg.norm(np.diff(self.means[::2], axis=0), axis=1)) / self.size
 
     @property
     def offset_share(self) -> float:
@@ -164,12 +173,6 @@ class Constants:
         return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
 
 
-def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, float]:
-    """Unit in which a size is most like the one of a table, this, and the logarithm of their ratio."""
-    unit, known = min(units.items(), key=lambda item: abs(np.log(size / item[1])))
-    return unit, known, abs(float(np.log(size / known)))
-
-
 def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     """Fit what is constant of a vector in the windows that tell most about it."""
     vector = placed.misfits
@@ -185,13 +188,10 @@ def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     shape, shape_errors, _ = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
     to_readings = turn.T * vector.size
     stretch = turn.T @ (turn + (others @ shape.constants[6:]).reshape(3, 3))
-    means = longer[..., :12] @ fit.column[:12] * vector.size
-    size = rms(np.linalg.norm(means, axis=1))
     growth = np.linalg.inv(inverse[:3, :3]) - vector.offset_cost * np.eye(3)
     return Constants(
         float(fit.misfit),
-        size,
-        rms(np.linalg.norm(np.diff(means[::2], axis=0), axis=1)) / size,
+        longer[..., :12] @ fit.column[:12] * vector.size,
         fit.constants[3:],
         errors[3:],
         to_readings @ fit.constants[:3],

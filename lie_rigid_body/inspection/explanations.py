@@ -16,8 +16,8 @@ import numpy as np
 from lie_rigid_body.evaluation.attitudes import named
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.inspection.rule import (
-    DEGREE,
     EXCLUDED,
+    GYRO_UNITS,
     MAX_ALTERNATIVES,
     MIN_DELAY_S,
     MIN_LOG_FACTOR,
@@ -25,6 +25,7 @@ from lie_rigid_body.inspection.rule import (
     TOLD_APART,
     TURNS,
     Gyro,
+    nearest_unit,
 )
 from lie_rigid_body.inspection.search import Fitting, Misfits
 
@@ -119,10 +120,10 @@ def axes_text(matrix: Array) -> str:
 
 def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     """The repair that a factor of the gyro is: a unit, another factor, or none."""
-    for text, unit in (("× π/180", DEGREE), ("× 180/π", 1.0 / DEGREE)):
-        if abs(np.log(factor / unit)) < MIN_LOG_FACTOR:
-            return (SensorRepair("gyro_units", "gyro", text, unit),)
-    return (SensorRepair("time_step", "gyro"),) if abs(np.log(factor)) >= MIN_LOG_FACTOR else ()
+    text, unit, away = nearest_unit(factor, GYRO_UNITS)
+    if away >= MIN_LOG_FACTOR:
+        return (SensorRepair("time_step", "gyro"),)
+    return (SensorRepair("gyro_units", "gyro", text, unit),) if text else ()
 
 
 def axes_of(sign: int, frame: int, turns: Mapping[str, int]) -> dict[str, Array]:

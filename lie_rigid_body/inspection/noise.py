@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import curve_fit
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, runs_of
 from lie_rigid_body.foundation.wording import numerals
@@ -27,7 +28,6 @@ from lie_rigid_body.inspection.rule import (
     REST_PARTS,
     REST_SIGMAS,
     REST_WINDOW_S,
-    SI,
     SIGMAS,
 )
 from lie_rigid_body.inspection.stamps import Stream, resolution
@@ -87,33 +87,37 @@ def allan(readings: Array, step_s: float) -> Allan:
 
 
 def density(found: Allan) -> Density:
-    """Fit white noise and a random walk to an Allan variance, by standard errors of the model; a walk that is told.
+    """Fit white noise and a random walk, if it is told, to the logarithm of an Allan variance.
 
-    White noise is that beside a walk, told or not, unless the fitted square of the walk is negative.
+    White noise is that beside a walk, told or not.
     """
-    model = np.stack([1.0 / found.tau_s, found.tau_s / 3.0], axis=1)
-    squares, errors = _weighted(model, found)
+
+    def model(tau_s: Array, white: float, walk: float) -> Array:
+        return np.asarray(np.log(white / tau_s + walk * tau_s / 3.0))
+
+    white = found.variance[0] * found.tau_s[0]
+    squares, covariance = curve_fit(
+        model,
+        found.tau_s,
+        np.log(found.variance),
+        p0=(white, white / found.tau_s[-1] ** 2),
+        sigma=np.sqrt(2.0 * OCTAVES_SHARED / found.freedom),
+        absolute_sigma=True,
+        bounds=(0.0, np.inf),
+        x_scale=(white, white / found.tau_s[-1] ** 2),
+    )
+    errors = np.sqrt(np.diag(covariance))
     is_told = squares[1] > SIGMAS * errors[1]
-    if squares[1] < 0.0:
-        squares, errors = _weighted(model[:, :1], found)
     sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
     numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
     return Density(*(numbers if is_told else [*numbers[:2], 0.0, 0.0]))
 
 
-def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
-    """Coefficients of a model of the variance and their standard errors, weighted by those of the model itself."""
-    expected = found.variance
-    for _ in range(3):
-        weighted = model.T * (found.freedom / 2.0 / np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
-        covariance = np.linalg.inv(weighted @ model)
-        squares = covariance @ weighted @ found.variance
-        expected = np.abs(model @ squares)
-    return squares, np.sqrt(OCTAVES_SHARED * np.diag(covariance))
+def _at_rest(readings: Array, part: int, most: float) -> Booleans:
+    """Whether each window is at rest: it scatters as white noise does, and its mean is as before, and small.
 
-
-def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
-    """Whether each window scatters as white noise does, with a mean like that before and of at most a size."""
+    The jerk by which a motion begins is as white as noise, but more than usual at rest.
+    """
     size = part * REST_PARTS
     parts = readings[: len(readings) // size * size].reshape(-1, REST_PARTS, part, 3)
     means = parts.mean(axis=(1, 2))
@@ -121,14 +125,9 @@ def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
     is_white = parts.mean(axis=2).var(axis=1) * part <= MAX_REST_COLOUR * variances
     change = np.abs(np.diff(means, axis=0, prepend=means[:1]))
     is_steady = change <= REST_SIGMAS * np.sqrt(2.0 * variances / size)
-    return np.asarray((is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most))
-
-
-def _windows_as_usual(readings: Array, size: int, at_rest: Booleans) -> Booleans:
-    """Whether each window scatters as most at rest do: the jerk by which a motion begins is as white as noise."""
-    variances = readings[: len(readings) // size * size].reshape(-1, size, 3).var(axis=1)
-    usual = np.median(variances[at_rest], axis=0) if at_rest.any() else np.zeros(3)
-    return np.asarray(((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
+    at_rest = (is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most)
+    usual = np.median(variances[at_rest] if at_rest.any() else variances, axis=0)
+    return np.asarray(at_rest & ((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
 
 
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
@@ -138,11 +137,7 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     size = part * REST_PARTS
     if part < 2 or not size <= len(gyro.t_ns) == len(accelerometer.t_ns):
         return None
-    at_rest = _windows_at_rest(gyro.readings, part, MAX_REST_RATE)
-    at_rest &= _windows_at_rest(accelerometer.readings, part, np.inf)
-    at_rest &= _windows_as_usual(gyro.readings, size, at_rest) & _windows_as_usual(
-        accelerometer.readings, size, at_rest
-    )
+    at_rest = _at_rest(gyro.readings, part, MAX_REST_RATE) & _at_rest(accelerometer.readings, part, np.inf)
     runs = zip(*runs_of(0, at_rest), strict=True)
     first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
     if (last + 1 - first) * size * step_s < MIN_REST_S:
@@ -163,27 +158,27 @@ def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
     found.name("covariance", still.sensor, f"{text} at rest", f"variances of {repair}")
 
 
-def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Findings) -> None:
+def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], found: Findings) -> None:
     """Tell the noise of all sensors, and the gyro's bias, in the longest rest.
 
     Parameters
     ----------
-    streams : list of Stream
-        Gyro, accelerometer, and perhaps a magnetometer.
+    streams : mapping of str to Stream
+        Repaired readings of gyro, accelerometer, and perhaps a magnetometer.
     declared : mapping of str to ndarray, shape (3,)
         Declared variances of sensors, (unit of the readings)².
     found : Findings
     """
-    rest = longest_rest(*streams[:2])
+    rest = longest_rest(streams["gyro"], streams["accelerometer"])
     if rest is None:
         for sensor in declared:
             found.ask("covariance", f"the {sensor} declares a variance, and never rests")
         return
-    found.marks.append(Mark("", "rest", *rest))
-    for stream in streams:
+    found.marks.append(Mark("log", "rest", *rest))
+    for name, stream in streams.items():
         still = stream.between(*rest)
-        if stream.sensor in declared:
-            _judge_variance(still, declared[stream.sensor], found)
+        if name in declared:
+            _judge_variance(still, declared[name], found)
         step_s = still.step_s
         if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
             continue
@@ -192,8 +187,8 @@ def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Find
         if np.any(grid > measured.variance / 2.0):
             continue  # the resolution hides the noise
         told = density(measured._replace(variance=measured.variance - grid))
-        name = stream.sensor
-        found.note("noise", f"the {name} has white noise of {told.white:.3g} {SI[name]}/√Hz at rest", told.white)
+        text = f"the {name} has white noise of {told.white:.3g} {found.unit(name)}/√Hz at rest"
+        found.note("noise", text, told.white)
         found.estimate(f"{name}_noise_density", told.white, told.white_sigma)
         if told.walk:
             found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)

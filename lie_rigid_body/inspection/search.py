@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 from functools import cached_property, partial
 from heapq import nlargest
 from itertools import chain, product
-from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,7 +33,7 @@ class Misfits(Vector):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self._chosen = 0
-        self._found: defaultdict[Gyro, dict[float, Array]] = defaultdict(dict)
+        self._found: dict[tuple[Gyro, float], Array] = {}
 
     @property
     def length_s(self) -> float:
@@ -45,26 +43,23 @@ class Misfits(Vector):
     def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
         """Try all turns with one gyro and one delay, s, in windows of each length."""
         windows = self.windows(gyro, delay_s, *self.lengths_s)
-        self._found[gyro][delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
+        self._found[gyro, delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
 
     @cached_property
     def _usual(self) -> Array:
         """How well a usual hypothesis fits, in windows of each length: the median of the first ones."""
-        return np.asarray(np.median([self._found[gyro][0.0] for gyro in GYROS], axis=(0, 2)))
+        return np.asarray(np.median([self._found[gyro, 0.0] for gyro in GYROS], axis=(0, 2)))
 
     def contrast(self, gyro: Gyro) -> float:
         """How much better than a usual hypothesis a gyro fits at best."""
-        return max(float((self._usual / misfits.min(axis=1)).max()) for misfits in self._found[gyro].values())
+        every = [misfits.min(axis=1) for (tried, _), misfits in self._found.items() if tried == gyro]
+        return float(np.max(self._usual / every))
 
     def best(self, length: int | None = None) -> tuple[float, Gyro, float, int]:
         """Least misfit in windows of the chosen length, or of another by its index, with gyro, delay, s, and turn."""
         which = self._chosen if length is None else length
-        every = [
-            (float(misfits[which].min()), gyro, delay, int(misfits[which].argmin()))
-            for gyro, by_delay in self._found.items()
-            for delay, misfits in by_delay.items()
-        ]
-        return min(every, key=itemgetter(0))
+        (gyro, delay_s), misfits = min(self._found.items(), key=lambda item: float(item[1][which].min()))
+        return float(misfits[which].min()), gyro, delay_s, int(misfits[which].argmin())
 
     def choose_length(self) -> None:
         """Choose the windows in which the best hypothesis stands out most, if they leave much of the vector."""
@@ -77,13 +72,13 @@ class Misfits(Vector):
 
     def by_delay(self, gyro: Gyro) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
-        delays = sorted(self._found[gyro])
-        return np.array(delays), np.array([self._found[gyro][delay][self._chosen] for delay in delays])
+        delays = sorted(delay_s for tried, delay_s in self._found if tried == gyro)
+        return np.array(delays), np.array([self._found[gyro, delay][self._chosen] for delay in delays])
 
     @property
     def plain(self) -> float:
         """Misfit without a repair."""
-        return float(self._found[RIGHT][0.0][self._chosen, 0])
+        return float(self._found[RIGHT, 0.0][self._chosen, 0])
 
     def turns(self, gyro: Gyro) -> Integers:
         """Turns that are not excluded with a gyro."""
