@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.linalg import null_space
@@ -38,15 +37,13 @@ from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit
 
 
-def fit_delay(placed: Fitting, gyro: Gyro, step_s: float) -> Minimum:
+def fit_delay(placed: Fitting, step_s: float) -> Minimum:
     """Fit a delay in the windows in which the squared misfit bends most against its least value."""
-    squares = {length: partial(placed.squares, gyro, length) for length in placed.misfits.lengths_s}
-    tried = {length: minimum(squares[length], placed.delay_s, step_s, 1) for length in squares}
-    length_s = max(tried, key=lambda length: tried[length].slope / tried[length].level)
-    return minimum(squares[length_s], placed.delay_s, step_s)
+    tried = {length: placed.fit_delay(length, step_s, 1) for length in placed.misfits.lengths_s}
+    return placed.fit_delay(max(tried, key=lambda length: tried[length].slope / tried[length].level), step_s)
 
 
-def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list[float]:
+def other_delays(placed: Fitting, tried: Gyro, own: Minimum) -> list[float]:
     """Delays away from the fitted one that fit as well, s: of motions that recur; of a fitted one that is none, none.
 
     Parameters
@@ -54,50 +51,48 @@ def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list
     placed : Fitting
     tried : Gyro
         The one with which delays were tried.
-    gyro : Gyro
-        The one of the fit.
     own : Minimum
     """
     if abs(own.place) <= MIN_DELAY_S:
         return []
     delays, misfits = placed.misfits.by_delay(tried)
-    values = misfits[:, placed.turn]
-    (inner,) = argrelmin(values)
-    found = [fit_delay(placed._replace(delay_s=float(delays[i])), gyro, DELAY_STEPS_S[0]) for i in inner]
-    return [
-        each.place
-        for each in found
-        if each.level <= EXCLUDED * own.level and abs(each.place - own.place) > SAME_DELAY_S
-    ]
+    (inner,) = argrelmin(misfits[:, placed.turn])
+    found = [fit_delay(placed._replace(delay_s=float(delays[i])), DELAY_STEPS_S[0]) for i in inner]
+    alike = [each.place for each in found if each.level <= EXCLUDED * own.level]
+    return [place for place in alike if abs(place - own.place) > SAME_DELAY_S]
 
 
-def refine(placed: Sequence[Fitting], gyro: Gyro) -> tuple[Gyro, Minimum, list[Minimum]]:
+def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[Fitting], list[Minimum]]:
     """Fit delays and the gyro's factor in turn, from those of an explanation on.
 
     Returns
     -------
-    gyro : Gyro
     factor : Minimum
-        Logarithm of its factor.
+        Logarithm of the gyro's factor.
+    placed : list of Fitting
+        With this factor and the delays.
     delays : list of Minimum
         Those of the vectors.
     """
+    gyro = placed[0].gyro
 
     def of_factor(log_factor: float) -> Array:
         """Squared misfits of the chunks of all vectors, each over that of the vector."""
         other = gyro._replace(factor=float(np.exp(log_factor)))
-        fits = zip(placed, delays, strict=True)
+        fits = zip(moved, delays, strict=True)
         return np.concatenate(
-            [each.squares(other, each.misfits.length_s, delay.place) / delay.level**2 for each, delay in fits]
+            [each._replace(gyro=other).squares(each.misfits.length_s) / delay.level**2 for each, delay in fits]
         )
 
-    delays = [fit_delay(each, gyro, DELAY_STEPS_S[0]) for each in placed]
+    moved = list(placed)
+    delays = [fit_delay(each, DELAY_STEPS_S[0]) for each in placed]
     for factor_step, step_s in zip(LOG_FACTOR_STEPS, DELAY_STEPS_S[1:], strict=True):
+        moved = [each._replace(delay_s=delay.place) for each, delay in zip(moved, delays, strict=True)]
         factor = minimum(of_factor, np.log(gyro.factor), factor_step)
         gyro = gyro._replace(factor=float(np.exp(factor.place)))
-        placed = [each._replace(delay_s=delay.place) for each, delay in zip(placed, delays, strict=True)]
-        delays = [fit_delay(each, gyro, step_s) for each in placed]
-    return gyro, factor, delays
+        moved = [each._replace(gyro=gyro) for each in moved]
+        delays = [fit_delay(each, step_s) for each in moved]
+    return factor, [each._replace(delay_s=delay.place) for each, delay in zip(moved, delays, strict=True)], delays
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,14 +168,14 @@ class Constants:
         return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
 
 
-def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
+def constants_of(placed: Fitting) -> Constants:
     """Fit what is constant of a vector in the windows that tell most about it."""
     vector = placed.misfits
     turn = TURNS[placed.turn]
     start = OF_TURNS[placed.turn]
     changes = OF_CONSTANTS[placed.turn]
-    length_s = min(placed.misfits.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
-    windows, longer = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s, length_s)
+    length_s = min(vector.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
+    windows, longer = vector.windows(placed.gyro, placed.delay_s, vector.length_s, length_s)
     grams = gram(windows, CHUNKS)
     fit, errors, inverse = _fitted(grams, start, changes, vector.costs)
     others = null_space(turn.reshape(1, 9))  # 8 directions square to the turn

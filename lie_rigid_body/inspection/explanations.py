@@ -162,7 +162,8 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     for turn, best in enumerate(ratios.argmin(axis=0)):
         plain = short[ratios[short, turn].argmin()]
         for place in {plain, best}:
-            fittings.append(Fitting(found, turn, float(delays[place]), float(ratios[place, turn]), place not in short))
+            numbers = float(delays[place]), float(ratios[place, turn])
+            fittings.append(Fitting(found, gyro, turn, *numbers, is_late=place not in short))
     return [each for each in fittings if each.ratio <= EXCLUDED]
 
 
@@ -196,23 +197,21 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     every : sequence of SensorExplanation
         As `explanations` returns them, one at least.
     """
-    fit = [each for each in every if each.ratio <= TOLD_APART]
-    best = fit[0]
-    fewest = list(dict.fromkeys(each.repairs for each in fit if each.count == best.count))
+    best = next(each for each in every if each.ratio <= TOLD_APART)
+    limit = EXCLUDED if best.repairs else TOLD_APART  # another delay alone excludes no repair
+    as_few = [each for each in every if each.count == best.count and each.ratio <= limit]
+    fewest = list(dict.fromkeys([best.repairs, *(each.repairs for each in as_few)]))
     fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
-    as_few = [each for each in every if each.count == best.count and (any(fewest) or each in fit)]
-    fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in as_few)]))
-    every_one = [*fewest, *fewer]
     is_open = len(fewest) > MAX_ALTERNATIVES or bool(fewer)
-    shared = tuple(repair for repair in best.repairs if all(repair in repairs for repairs in every_one))
-    named_ones = shared if is_open else best.repairs
+    every_one = {repair: None for repairs in (*fewest, *fewer) for repair in repairs}
+    shared = [repair for repair in best.repairs if all(repair in repairs for repairs in (*fewest, *fewer))]
+    named_ones = tuple(shared) if is_open else best.repairs
     turns = zip(*[[fitting.turn for fitting in each.fittings] for each in as_few], strict=True)
-    open_ones = dict.fromkeys(repair for repairs in every_one for repair in repairs if repair not in named_ones)
     return Judgement(
         best,
         named_ones,
-        () if is_open else tuple(repairs for repairs in fewest if repairs != best.repairs),
-        tuple(open_ones) if is_open else (),
+        () if is_open else tuple(fewest[1:]),
+        tuple(repair for repair in every_one if repair not in named_ones) if is_open else (),
         tuple(len({*each}) == 1 and not fewer for each in turns),
         bool(fewer),
     )

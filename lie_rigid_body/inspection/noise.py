@@ -1,18 +1,13 @@
-"""Noise of sensors at rest, by the overlapping Allan deviation, with standard errors.
+"""Noise of sensors in the longest rest of a log, the bias of its gyro, and declared variances.
 
-The Allan variance of white noise of density N and a random walk of density K is N²/τ + K²τ/3 (IEEE Std 952-1997, annex
-C). Its equivalent degrees of freedom are those of white noise over many readings (D. A. Howe, D. W. Allan, J. A.
-Barnes, "Properties of signal sources and measurement methods", 1981, table 2). Rounding to a resolution r adds white
-noise of variance r²/12, which is taken off.
+Rounding to a resolution r adds white noise of variance r²/12, which is taken off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import curve_fit
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, runs_of
 from lie_rigid_body.foundation.wording import numerals
@@ -21,96 +16,13 @@ from lie_rigid_body.inspection.rule import (
     MAX_REST_COLOUR,
     MAX_REST_RATE,
     MAX_VARIANCE_RATIO,
-    MIN_ALLAN_CYCLES,
-    MIN_ALLAN_S,
     MIN_REST_S,
-    OCTAVES_SHARED,
     REST_PARTS,
     REST_SIGMAS,
     REST_WINDOW_S,
-    SIGMAS,
 )
 from lie_rigid_body.inspection.stamps import Stream, resolution
-
-
-class Allan(NamedTuple):
-    """Overlapping Allan variance of the mean of K axes.
-
-    Attributes
-    ----------
-    tau_s, variance : ndarray, shape (M,)
-        Averaging times, s, and variances, (unit of the readings)².
-    freedom : ndarray, shape (M,)
-        Equivalent degrees of freedom.
-    """
-
-    tau_s: Array
-    variance: Array
-    freedom: Array
-
-
-class Density(NamedTuple):
-    """Densities of noise with their standard errors.
-
-    Attributes
-    ----------
-    white, white_sigma : float
-        Of white noise, unit/√Hz.
-    walk, walk_sigma : float
-        Of the random walk, unit/s/√Hz; 0 where it is not told.
-    """
-
-    white: float
-    white_sigma: float
-    walk: float
-    walk_sigma: float
-
-
-def allan(readings: Array, step_s: float) -> Allan:
-    """Compute the Allan variance at averaging times of powers of two steps.
-
-    Parameters
-    ----------
-    readings : ndarray, shape (N, K)
-    step_s : float
-        Time between readings, s.
-    """
-    count, axes = readings.shape
-    sums = np.cumsum(np.pad(readings - readings.mean(axis=0), ((1, 0), (0, 0))), axis=0)
-    shortest = max(MIN_ALLAN_S / step_s, 1.0)
-    powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(count / MIN_ALLAN_CYCLES))
-    squares = [
-        np.mean((sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]) ** 2)
-        for size in powers.astype(np.int64)
-    ]
-    return Allan(powers * step_s, np.array(squares) / (2.0 * powers**2), axes * (1.5 * count / powers - 2.0))
-
-
-def density(found: Allan) -> Density:
-    """Fit white noise and a random walk, if it is told, to the logarithm of an Allan variance.
-
-    White noise is that beside a walk, told or not.
-    """
-
-    def model(tau_s: Array, white: float, walk: float) -> Array:
-        return np.asarray(np.log(white / tau_s + walk * tau_s / 3.0))
-
-    white = found.variance[0] * found.tau_s[0]
-    squares, covariance = curve_fit(
-        model,
-        found.tau_s,
-        np.log(found.variance),
-        p0=(white, white / found.tau_s[-1] ** 2),
-        sigma=np.sqrt(2.0 * OCTAVES_SHARED / found.freedom),
-        absolute_sigma=True,
-        bounds=(0.0, np.inf),
-        x_scale=(white, white / found.tau_s[-1] ** 2),
-    )
-    errors = np.sqrt(np.diag(covariance))
-    is_told = squares[1] > SIGMAS * errors[1]
-    sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
-    numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
-    return Density(*(numbers if is_told else [*numbers[:2], 0.0, 0.0]))
+from lie_rigid_body.sensors.allan import allan, density
 
 
 def _at_rest(readings: Array, part: int, most: float) -> Booleans:

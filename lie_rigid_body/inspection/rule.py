@@ -220,12 +220,6 @@ REST_PARTS: Final = 10
 """Number of parts of a window, whose means scatter as those of white noise at rest."""
 MAX_REST_COLOUR: Final = 5.0
 """Largest ratio of the variance of these means to that of white noise: sensors have low-pass filters."""
-MIN_ALLAN_S: Final = 0.1
-"""Shortest averaging time of the Allan deviation, s: filters of sensors are faster."""
-OCTAVES_SHARED: Final = 2.0
-"""Factor of the variances of fitted densities, as octaves share readings: errors are 1.4 to 1.5 times those without."""
-MIN_ALLAN_CYCLES: Final = 5.0
-"""Least duration of rest over the longest averaging time."""
 MAX_VARIANCE_RATIO: Final = 4.0
 """Ratio of a declared variance and the scatter at rest from which they contradict each other."""
 

@@ -139,7 +139,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         delay = each.delay
         unseen_s = delay.unseen(MIN_DELAY_S)
         code = f"{each.sensor}_late"
-        others = other_delays(each.placed, comparison.verdict.best.gyro, comparison.gyro, delay)
+        others = other_delays(each.placed, comparison.verdict.best.gyro, delay)
         if others:
             text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
             found.ask(code, f"the motion recurs, so that {text} do as well")

@@ -50,8 +50,8 @@ OF_CONSTANTS: Final[Array] = np.array(
 """Change of the column of each turn with an offset and a rate bias, rad/s, shape (24, 39, 6)."""
 
 
-def attitudes(t_s: Array, rate: Array) -> Array:
-    """Attitudes from the first reading on, shape (N, 4), by the mean rate of neighbours, in a scan.
+def integrated(t_s: Array, rate: Array) -> World:
+    """World of a gyro, by the mean rate of neighbours.
 
     Parameters
     ----------
@@ -60,18 +60,8 @@ def attitudes(t_s: Array, rate: Array) -> Array:
     rate : ndarray, shape (N, 3)
         Body rate, rad/s.
     """
-    steps = np.diff(t_s)[:, np.newaxis]
-    attitude = np.vstack([[0.0, 0.0, 0.0, 1.0], quaternion.exp((rate[1:] + rate[:-1]) / 2.0 * steps)])
-    reach = 1  # of the scan, which doubles it
-    while reach < len(attitude):
-        attitude[reach:] = quaternion.multiply(attitude[:-reach], attitude[reach:])
-        reach *= 2
-    return attitude
-
-
-def integrated(t_s: Array, rate: Array) -> World:
-    """World of a gyro, by its readings as in `attitudes`."""
-    rotation = quaternion.to_matrix(attitudes(t_s, rate))
+    steps = (rate[1:] + rate[:-1]) / 2.0 * np.diff(t_s)[:, np.newaxis]
+    rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(np.vstack([np.zeros(3), steps]))))
     integral = cumulative_trapezoid(rotation, t_s, axis=0, initial=0)
     return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 

@@ -14,13 +14,13 @@ from lie_rigid_body.foundation.wording import SI, counted
 from lie_rigid_body.inspection import Estimated, Inspection
 from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
-from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
 from lie_rigid_body.report.recorded_motion import extremes
 from lie_rigid_body.runs import Run
 from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
+from lie_rigid_body.sensors.allan import allan, density
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
