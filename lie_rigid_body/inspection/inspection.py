@@ -10,11 +10,12 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth
+from lie_rigid_body.evaluation.gyro import GyroFit
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
-from lie_rigid_body.inspection.against_truth import AgainstTruth, report_truth
+from lie_rigid_body.inspection.against_truth import report_truth
 from lie_rigid_body.inspection.comparison import compare
 from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
@@ -66,7 +67,7 @@ class Inspection(Shown):
     marks: tuple[Mark, ...]
     stamps: Mapping[str, Integers]
     _changes: Mapping[str, Change]
-    _truth: AgainstTruth | None = None
+    _truth: GyroFit | None = None
 
     def __str__(self) -> str:
         """Lines that ``inspect`` prints."""

@@ -224,12 +224,6 @@ MAX_VARIANCE_RATIO: Final = 4.0
 """Ratio of a declared variance and the scatter at rest from which they contradict each other."""
 
 # --- against a truth -------------------------------------------------------------------------------------------------
-TRUTH_STEP: Final = 0.5
-"""Rotation in the short times over which gyro and truth are compared, rad: it outweighs the noise of cameras."""
-TRUTH_PARTS: Final = 4
-"""Number of their parts: what does not commute in them is a sixteenth of what it is in the whole."""
-MAX_TRUTH_STEPS: Final = 1000
-"""Largest number of such times."""
 MAX_TRUTH_MISFIT: Final = 0.5
 """Misfit of their rotations, as a share, above which a truth is not that of the gyro."""
 MIN_TRUTH_MOUNTING: Final = float(np.radians(2.0))

@@ -26,7 +26,6 @@ from lie_rigid_body.inspection.rule import (
     MAX_STEPS,
     MIN_LENGTHS,
     MIN_MISFIT,
-    RIGHT,
     TURNS,
     Gyro,
 )
@@ -93,6 +92,7 @@ class Vector:
     ----------
     sensor : str
     t_s : ndarray, shape (N,)
+        Times, s, within those of the gyro.
     readings : ndarray, shape (N, 3)
     offset_cost : float
         Squared misfit that an offset of 1 costs.
@@ -106,7 +106,7 @@ class Vector:
     unit : ndarray, shape (N, 3)
         Readings over it.
     lengths_s : tuple of float
-        Lengths of windows, s, of which there are enough, with readings in each, in the time of the gyro.
+        Lengths of windows, s, of which there are enough, with readings in each.
     """
 
     def __init__(
@@ -118,11 +118,8 @@ class Vector:
         self.unit = readings / self.size
         self.offset_cost = offset_cost
         self.world = world
-        known_s = world(RIGHT).x
-        bounds = [*known_s[[0, -1]], *t_s[:1], *t_s[-1:]]
-        common = min(bounds[1::2]) - max(bounds[::2]) - 2.0 * MAX_DELAY_S
-        step = 2.0 * np.ptp(t_s) / max(len(t_s) - 1, 1)
-        self.lengths_s = tuple(length for length in LENGTHS_S if 0.0 < step <= length <= common / MIN_LENGTHS)
+        longest = (np.ptp(t_s) - 2.0 * MAX_DELAY_S) / MIN_LENGTHS if len(t_s) else 0.0
+        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * np.ptp(t_s) <= each * len(t_s))
 
     def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
