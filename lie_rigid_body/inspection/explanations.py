@@ -197,11 +197,13 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     every : sequence of SensorExplanation
         As `explanations` returns them, one at least.
     """
-    best = next(each for each in every if each.ratio <= TOLD_APART)
+    fit = [each for each in every if each.ratio <= TOLD_APART]
+    best = fit[0]
     limit = EXCLUDED if best.repairs else TOLD_APART  # another delay alone excludes no repair
     as_few = [each for each in every if each.count == best.count and each.ratio <= limit]
     fewest = list(dict.fromkeys([best.repairs, *(each.repairs for each in as_few)]))
-    fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
+    fitting = {each.repairs for each in fit if each.count == best.count}
+    fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fitting]
     is_open = len(fewest) > MAX_ALTERNATIVES or bool(fewer)
     every_one = {repair: None for repairs in (*fewest, *fewer) for repair in repairs}
     shared = [repair for repair in best.repairs if all(repair in repairs for repairs in (*fewest, *fewer))]
