@@ -55,7 +55,7 @@ DELAY_S = 0.012
 FACTOR = 0.05
 """Largest relative error of a factor."""
 IRON_T = 7e-6
-"""Largest error of the hard iron, T."""
+"""Largest error of the hard iron, T; or two standard errors that are told with it."""
 CLASSES = ("right", "or_else", "within", "undecided", "nothing", "wrong")
 
 
@@ -215,7 +215,8 @@ def judged_iron(case: Case, found: Inspection) -> str:
         return "wrong"
     if not notes:
         return "undecided" if is_open or "magnetometer_axes" in {each.code for each in found.undecided} else "nothing"
-    if np.linalg.norm(notes[0] - case.iron) <= IRON_T:
+    errors = found.sensors["magnetometer_hard_iron"].standard_error
+    if np.linalg.norm(notes[0] - case.iron) <= max(IRON_T, 2.0 * float(np.linalg.norm(errors))):
         return "right"
     return "undecided" if is_open else "wrong"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 from typing import Final
 
 import numpy as np
@@ -187,8 +186,8 @@ def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
         moved = abs(np.log(refined.gyro.factor / best.gyro.factor))
         if moved > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
             more.extend(refined.gyro._replace(sign=sign) for sign in (1, -1))
-    for gyro, each in product(more, vectors):
-        each.scan(gyro)
+    if more:
+        search(vectors, more)
     return tuple(more)
 
 
@@ -198,7 +197,9 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
     held = constants_of(each.best()[1])
     if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
         free = Misfits(sensor, each.t_s, each.unit * each.size, MAGNETOMETER_OFFSET_COST, each.world)
-        search([free], more)
+        search([free])
+        if more:
+            search([free], more)
         freed = constants_of(free.best()[1])
         is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
         if is_taken_off and held.misfit >= freed.misfit * (MIN_GAIN if held.has_unit else 1.0):

@@ -83,6 +83,10 @@ class SensorExplanation:
         """Number of repairs."""
         return len(self.repairs) + len(self.late)
 
+    def changes(self, what: str) -> bool:
+        """Whether a repair is of a sensor, or has a code."""
+        return any(what in each[:2] for each in self.repairs)
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -168,7 +172,10 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
 
 
 def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[SensorExplanation]:
-    """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first."""
+    """Explanations that are not excluded, of as few repairs as one needs that fits.
+
+    Those of the fewest are first, among these those that leave the gyro, among these a known unit before any factor.
+    """
     every: dict[object, SensorExplanation] = {}
     most = np.inf
     for gyro in gyros:
@@ -186,7 +193,7 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Sensor
                 if new.ratio <= TOLD_APART:
                     most = min(most, new.count)
     few = [each for each in every.values() if each.count <= most < np.inf]
-    return sorted(few, key=lambda each: (each.count, "gyro" in {repair.sensor for repair in each.repairs}, each.ratio))
+    return sorted(few, key=lambda each: (each.count, *map(each.changes, ("gyro", "time_step")), each.ratio))
 
 
 def judged(every: Sequence[SensorExplanation]) -> Judgement:

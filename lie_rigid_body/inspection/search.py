@@ -94,7 +94,6 @@ class Misfits(Vector):
         best, turn = divmod(int(misfits.argmin()), len(TURNS))
         placed = Fitting(self, gyro, turn, float(delays[best]))
         self.add(gyro, placed.fit_delay(self.length_s, DELAY_STEPS_S[0]).place)
-        self.choose_length()
 
 
 class Fitting(NamedTuple):
@@ -151,12 +150,14 @@ def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:
     found : sequence of Misfits
         Of each vector.
     more : sequence of Gyro
-        Gyros that are likely beside those of `GYROS`.
+        Likely gyros, if those of `GYROS` were tried.
     """
-    for gyro, each in product(GYROS, found):
+    for gyro, each in product(() if more else GYROS, found):
         each.add(gyro)
-    for gyro, each in product((*_likely(found), *more), found):
+    for gyro, each in product(more or _likely(found), found):
         each.scan(gyro)
+    for each in found:
+        each.choose_length()
 
 
 def _likely(found: Sequence[Misfits]) -> tuple[Gyro, ...]:

@@ -12,7 +12,6 @@ from lie_rigid_body.inspection.comparison import Compared, SensorComparison
 from lie_rigid_body.inspection.constants import other_delays
 from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
-from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
@@ -128,13 +127,12 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
         found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
         found.changes["gyro"].matrix *= factor
     elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR or "time_step" in codes:
-        found.ask("time_step", f"the gyro's factor of {factor:.4g} is only known to {sigma:.0%}")
+        found.ask("time_step", f"the gyro's factor of {factor:.4g} ± {sigma:.1g} is not told apart from 1")
 
 
 def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
     """Tell sensors that are late; two that are as late as each other are a gyro that is early."""
-    delays = {each.sensor: each.delay for each in comparison.vectors}
-    late: dict[str, Minimum] = {}
+    late = []
     for each in comparison.vectors:
         delay = each.delay
         unseen_s = delay.unseen(MIN_DELAY_S)
@@ -144,14 +142,14 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
             text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
             found.ask(code, f"the motion recurs, so that {text} do as well")
         elif abs(delay.place) > unseen_s and each.is_told:
-            late[each.sensor] = delay
+            late.append(each)
         elif abs(delay.place) > MIN_DELAY_S or unseen_s > DIM_DELAY_S:
             found.ask(code, f"a delay of the {each.sensor} of {unseen_s:.2g} s is not seen")
         else:
             text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
             found.note(code, text, delay.place)
-    is_alike = all(one.is_like(other) for one in late.values() for other in delays.values())
-    named = {sensor: delay.place for sensor, delay in late.items()}
+    is_alike = all(one.delay.is_like(other.delay) for one in late for other in comparison.vectors)
+    named = {each.sensor: each.delay.place for each in late}
     if is_alike and len(late) == 2:
         named = {"gyro": -float(np.mean([*named.values()]))}
     or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
@@ -160,7 +158,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
         found.changes[sensor].delay_s = delay_s
     if "magnetometer" in named:
-        delay = late["magnetometer"]
+        delay = late[-1].delay
         common_s = delay.level / max(delay.slope, 1e-9) / np.sqrt(INDEPENDENT_STEPS)
         found.estimate("magnetometer_clock_offset", delay.place, np.hypot(delay.sigma, common_s))
 
@@ -170,11 +168,12 @@ def _tell_iron(each: Compared, found: Findings) -> None:
     constants = each.constants
     repair = found.changes[each.sensor].matrix
     unit = found.unit(each.sensor)
-    field = np.cbrt(np.linalg.det(repair)) * constants.size
+    field = np.linalg.norm(repair[0]) * constants.size
     found.note("field", f"the field has a size of {field:.4g} {unit}: does this fit the place?", field)
     iron = repair @ constants.shape_offset
+    error = np.abs(repair) @ constants.shape_offset_sigma
     if each.is_told:
-        found.estimate("magnetometer_hard_iron", iron, np.abs(repair) @ constants.shape_offset_sigma)
+        found.estimate("magnetometer_hard_iron", iron, error)
         if constants.misfit > MIN_GAIN * constants.shape_misfit and np.all(constants.shape_sigma < MAX_SHAPE_ERROR):
             back = np.linalg.inv(repair)
             soft_iron = repair @ np.linalg.inv(constants.shape) @ back
@@ -186,7 +185,8 @@ def _tell_iron(each: Compared, found: Findings) -> None:
     is_sure = share * constants.size > SIGMAS * rms(constants.offset_sigma) and constants.sees(constants.offset)
     if share > MIN_HARD_IRON and is_sure:
         if each.is_told and np.linalg.norm(constants.shape_offset) > MIN_HARD_IRON * constants.size:
-            found.note("hard_iron", f"hard iron of ({numerals(iron)}) {unit}, {share:.2f} of the field", iron)
+            text = f"hard iron of ({numerals(iron, 3)}) ± ({numerals(error, 1)}) {unit}, {share:.2f} of the field"
+            found.note("hard_iron", text, iron)
         else:
             found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
     if not constants.sees(MIN_HARD_IRON * constants.size * constants.blind):

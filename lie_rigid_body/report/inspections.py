@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.estimates.programs import lines_of
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.wording import SI, counted
+from lie_rigid_body.foundation.wording import SI, counted, numerals
 from lie_rigid_body.inspection import Estimated, Inspection
 from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
@@ -61,7 +61,7 @@ def parts_of_inspection(found: Inspection) -> Parts:
         Table(
             ("parameter", "value", "standard error"),
             [
-                (name, _numerals(each.value, 4), _numerals(each.standard_error, 2))
+                (name, numerals(np.atleast_1d(each.value), 4), numerals(np.atleast_1d(each.standard_error), 2))
                 for name, each in found.sensors.items()
             ],
             "Parameters of the sensors, repaired",
@@ -87,10 +87,6 @@ def _sentence(text: str) -> str:
 
 def _share(misfit: float | None) -> str:
     return "" if misfit is None else f"{misfit:.2g}"
-
-
-def _numerals(value: float | tuple[float, ...], digits: int) -> str:
-    return ", ".join(f"{each:.{digits}g}" for each in np.atleast_1d(value))
 
 
 def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
@@ -127,7 +123,7 @@ def _yaml(found: Estimated) -> str:
     if any(errors):
         values = [float(f"{value:.6g}") for value in values]
     text = str(values if isinstance(found.value, tuple) else values[0])
-    return f"{text}  # ± {', '.join(f'{error:.2g}' for error in errors)}" if any(errors) else text
+    return f"{text}  # ± {numerals(errors, 2)}" if any(errors) else text
 
 
 def csv_of(run: Run) -> bytes:
