@@ -22,6 +22,8 @@ MAX_VALUE: Final = 60
 MAX_NAMES: Final = 5
 """Largest number of names listed in a line."""
 
+SI: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "gravity": "m/s²", "magnetometer": "T"}
+"""Units of the readings of sensors."""
 _GAP: Final = "..."
 _PACKAGE: Final = "lie_rigid_body"
 _MAX_NUMBERS: Final = 7
@@ -134,9 +136,9 @@ def components(vector: Iterable[float], digits: int) -> str:
     return ", ".join(f"{round(float(v), digits + 1) + 0.0:.{digits}g}" for v in vector)
 
 
-def numerals(numbers: Iterable[float]) -> str:
-    """Numbers to six digits, enough to recognise them elsewhere, with commas between them."""
-    return ", ".join(f"{number:.6g}" for number in numbers)
+def numerals(numbers: Iterable[float], digits: int = 6) -> str:
+    """Numbers to six digits, enough to recognise them elsewhere, or to others, with commas between them."""
+    return ", ".join(f"{number:.{digits}g}" for number in numbers)
 
 
 def in_degrees(error_deg: float, digits: int = 4) -> str:

@@ -47,20 +47,23 @@ class Compared:
 
     Attributes
     ----------
-    sensor : str
     placed : Fitting
-        Its turn and its fitted delay.
+        Its turn, the gyro with the fitted factor, and the fitted delay.
     delay : Minimum
     constants : Constants
     is_told : bool
         Whether the log tells its turn, and so its delay and offset.
     """
 
-    sensor: str
     placed: Fitting
     delay: Minimum
     constants: Constants
     is_told: bool
+
+    @property
+    def sensor(self) -> str:
+        """Sensor of the vector."""
+        return self.placed.sensor
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +73,19 @@ class SensorComparison:
     Attributes
     ----------
     verdict : Judgement
-    gyro : Gyro
-        With the fitted factor.
     factor : Minimum
         Logarithm of its factor.
     vectors : tuple of Compared
     """
 
     verdict: Judgement
-    gyro: Gyro
     factor: Minimum
     vectors: tuple[Compared, ...]
+
+    @property
+    def gyro(self) -> Gyro:
+        """The gyro with the fitted factor."""
+        return self.vectors[0].placed.gyro
 
     @property
     def misfits(self) -> dict[str, float]:
@@ -99,18 +104,18 @@ def liveliest(gyro: Stream) -> Stream:
     return max(stretches, key=lambda each: float(np.linalg.eigvalsh(each.readings.T @ each.readings)[0]))
 
 
-def compare(gyro: Stream, others: Sequence[Stream], found: Findings) -> SensorComparison | None:
+def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison | None:
     """Search, choose and refine an explanation of all sensors; what cannot be compared is told.
 
     Parameters
     ----------
     gyro : Stream
-    others : sequence of Stream
+    *others : Stream
         Accelerometer and magnetometer, as far as there are such.
     found : Findings
     """
     gyro = liveliest(gyro)
-    found.marks.append(Mark("", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
+    found.marks.append(Mark("log", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
     vectors = list(_vectors(gyro, others, found))
     if not vectors:
         return None
@@ -153,7 +158,9 @@ def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> 
     found : Findings
     """
     more = _searched(vectors)
-    clearest = max((each.best()[1] for each in vectors), key=lambda one: max(each.contrast(one) for each in vectors))
+    clearest = max(
+        (each.best()[1].gyro for each in vectors), key=lambda one: max(each.contrast(one) for each in vectors)
+    )
     if turned_deg * min(clearest.factor, 1.0) > MAX_ROTATION_DEG:  # larger ones are found where nothing fits
         return "the log is too slow for its motion: record it at a higher rate, or"
     vectors = [fit for each in vectors for fit in _explained(each, more, found)]
@@ -174,10 +181,11 @@ def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
     search(vectors)
     more: list[Gyro] = []
     for each in vectors:
-        _, gyro, delay_s, turn = each.best()
-        refined, factor, _ = refine([Fitting(each, turn, delay_s)], gyro)
-        if abs(np.log(refined.factor / gyro.factor)) > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
-            more.extend(Gyro(sign, refined.factor) for sign in (gyro.sign, -gyro.sign))
+        best = each.best()[1]
+        factor, (refined,), _ = refine([best])
+        moved = abs(np.log(refined.gyro.factor / best.gyro.factor))
+        if moved > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
+            more.extend(refined.gyro._replace(sign=sign) for sign in (1, -1))
     if more:
         search(vectors, more)
     return tuple(more)
@@ -186,13 +194,13 @@ def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
 def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator[Misfits]:
     """The vector, if some hypothesis makes it constant; an accelerometer that lost a constant is searched anew."""
     sensor = each.sensor
-    held = _best_constants(each)
+    held = constants_of(each.best()[1])
     if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
         free = Misfits(sensor, each.t_s, each.unit * each.size, MAGNETOMETER_OFFSET_COST, each.world)
         search([free])
         if more:
             search([free], more)
-        freed = _best_constants(free)
+        freed = constants_of(free.best()[1])
         is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
         if is_taken_off and held.misfit >= freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
             each = free
@@ -215,18 +223,8 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
         found.ask(code, f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain")
 
 
-def _best_constants(each: Misfits) -> Constants:
-    """Constants under the hypothesis that fits a vector best."""
-    _, gyro, delay_s, turn = each.best()
-    return constants_of(Fitting(each, turn, delay_s), gyro)
-
-
 def _refined(verdict: Judgement) -> SensorComparison:
     """The explanation that the rule chose, with its constants fitted."""
-    best = verdict.best
-    gyro, factor, delays = refine(best.fittings, best.gyro)
-    compared = []
-    for each, delay, is_told in zip(best.fittings, delays, verdict.turns_told, strict=True):
-        moved = each._replace(delay_s=delay.place)
-        compared.append(Compared(each.sensor, moved, delay, constants_of(moved, gyro), is_told))
-    return SensorComparison(verdict, gyro, factor, tuple(compared))
+    factor, fittings, delays = refine(verdict.best.fittings)
+    each = zip(fittings, delays, map(constants_of, fittings), verdict.turns_told, strict=True)
+    return SensorComparison(verdict, factor, tuple(Compared(*one) for one in each))

@@ -5,9 +5,8 @@ Standard errors come from the scatter between successive chunks of the log.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.linalg import null_space
@@ -32,20 +31,19 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     UNSEEN_SHARE,
     Gyro,
+    nearest_unit,
 )
 from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit
 
 
-def fit_delay(placed: Fitting, gyro: Gyro, step_s: float) -> Minimum:
+def fit_delay(placed: Fitting, step_s: float) -> Minimum:
     """Fit a delay in the windows in which the squared misfit bends most against its least value."""
-    squares = {length: partial(placed.squares, gyro, length) for length in placed.misfits.lengths_s}
-    tried = {length: minimum(squares[length], placed.delay_s, step_s, 1) for length in squares}
-    length_s = max(tried, key=lambda length: tried[length].slope / tried[length].level)
-    return minimum(squares[length_s], placed.delay_s, step_s)
+    tried = {length: placed.fit_delay(length, step_s, 1) for length in placed.misfits.lengths_s}
+    return placed.fit_delay(max(tried, key=lambda length: tried[length].slope / tried[length].level), step_s)
 
 
-def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list[float]:
+def other_delays(placed: Fitting, tried: Gyro, own: Minimum) -> list[float]:
     """Delays away from the fitted one that fit as well, s: of motions that recur; of a fitted one that is none, none.
 
     Parameters
@@ -53,50 +51,48 @@ def other_delays(placed: Fitting, tried: Gyro, gyro: Gyro, own: Minimum) -> list
     placed : Fitting
     tried : Gyro
         The one with which delays were tried.
-    gyro : Gyro
-        The one of the fit.
     own : Minimum
     """
     if abs(own.place) <= MIN_DELAY_S:
         return []
     delays, misfits = placed.misfits.by_delay(tried)
-    values = misfits[:, placed.turn]
-    (inner,) = argrelmin(values)
-    found = [fit_delay(placed._replace(delay_s=float(delays[i])), gyro, DELAY_STEPS_S[0]) for i in inner]
-    return [
-        each.place
-        for each in found
-        if each.level <= EXCLUDED * own.level and abs(each.place - own.place) > SAME_DELAY_S
-    ]
+    (inner,) = argrelmin(misfits[:, placed.turn])
+    found = [fit_delay(placed._replace(delay_s=float(delays[i])), DELAY_STEPS_S[0]) for i in inner]
+    alike = [each.place for each in found if each.level <= EXCLUDED * own.level]
+    return [place for place in alike if abs(place - own.place) > SAME_DELAY_S]
 
 
-def refine(placed: Sequence[Fitting], gyro: Gyro) -> tuple[Gyro, Minimum, list[Minimum]]:
+def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[Fitting], list[Minimum]]:
     """Fit delays and the gyro's factor in turn, from those of an explanation on.
 
     Returns
     -------
-    gyro : Gyro
     factor : Minimum
-        Logarithm of its factor.
+        Logarithm of the gyro's factor.
+    placed : list of Fitting
+        With this factor and the delays.
     delays : list of Minimum
         Those of the vectors.
     """
+    gyro = placed[0].gyro
 
     def of_factor(log_factor: float) -> Array:
         """Squared misfits of the chunks of all vectors, each over that of the vector."""
         other = gyro._replace(factor=float(np.exp(log_factor)))
-        fits = zip(placed, delays, strict=True)
+        fits = zip(moved, delays, strict=True)
         return np.concatenate(
-            [each.squares(other, each.misfits.length_s, delay.place) / delay.level**2 for each, delay in fits]
+            [each._replace(gyro=other).squares(each.misfits.length_s) / delay.level**2 for each, delay in fits]
         )
 
-    delays = [fit_delay(each, gyro, DELAY_STEPS_S[0]) for each in placed]
+    moved = list(placed)
+    delays = [fit_delay(each, DELAY_STEPS_S[0]) for each in placed]
     for factor_step, step_s in zip(LOG_FACTOR_STEPS, DELAY_STEPS_S[1:], strict=True):
+        moved = [each._replace(delay_s=delay.place) for each, delay in zip(moved, delays, strict=True)]
         factor = minimum(of_factor, np.log(gyro.factor), factor_step)
         gyro = gyro._replace(factor=float(np.exp(factor.place)))
-        placed = [each._replace(delay_s=delay.place) for each, delay in zip(placed, delays, strict=True)]
-        delays = [fit_delay(each, gyro, step_s) for each in placed]
-    return gyro, factor, delays
+        moved = [each._replace(gyro=gyro) for each in moved]
+        delays = [fit_delay(each, step_s) for each in moved]
+    return factor, [each._replace(delay_s=delay.place) for each, delay in zip(moved, delays, strict=True)], delays
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,10 +103,9 @@ class Constants:
     ----------
     misfit : float
         Share of the vector.
-    size : float
-        RMS of what is constant in the world, in the unit of the readings.
-    swing : float
-        RMS of its change from window to window, as a share of it.
+    means : ndarray, shape (W, 3)
+        What is constant in the world, in windows of about `SWING_LENGTH_S` that start half a length apart, in the unit
+        of the readings.
     rate_bias, rate_bias_sigma : ndarray, shape (3,)
         Bias of the gyro, rad/s, in its frame.
     offset, offset_sigma : ndarray, shape (3,)
@@ -126,8 +121,7 @@ class Constants:
     """
 
     misfit: float
-    size: float
-    swing: float
+    means: Array
     rate_bias: Array
     rate_bias_sigma: Array
     offset: Array
@@ -138,6 +132,16 @@ class Constants:
     shape_misfit: float
     shape_offset: Array
     shape_offset_sigma: Array
+
+    @property
+    def size(self) -> float:
+        """RMS of the means."""
+        return rms(np.linalg.norm(self.means, axis=1))
+
+    @property
+    def swing(self) -> float:
+        """RMS of the change of the means from window to window, over their size."""
+        return rms(np.linalg.norm(np.diff(self.means[::2], axis=0), axis=1)) / self.size
 
     @property
     def offset_share(self) -> float:
@@ -164,20 +168,14 @@ class Constants:
         return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
 
 
-def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, float]:
-    """Unit in which a size is most like the one of a table, this, and the logarithm of their ratio."""
-    unit, known = min(units.items(), key=lambda item: abs(np.log(size / item[1])))
-    return unit, known, abs(float(np.log(size / known)))
-
-
-def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
+def constants_of(placed: Fitting) -> Constants:
     """Fit what is constant of a vector in the windows that tell most about it."""
     vector = placed.misfits
     turn = TURNS[placed.turn]
     start = OF_TURNS[placed.turn]
     changes = OF_CONSTANTS[placed.turn]
-    length_s = min(placed.misfits.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
-    windows, longer = placed.misfits.windows(gyro, placed.delay_s, placed.misfits.length_s, length_s)
+    length_s = min(vector.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
+    windows, longer = vector.windows(placed.gyro, placed.delay_s, vector.length_s, length_s)
     grams = gram(windows, CHUNKS)
     fit, errors, inverse = _fitted(grams, start, changes, vector.costs)
     others = null_space(turn.reshape(1, 9))  # 8 directions square to the turn
@@ -185,13 +183,10 @@ def constants_of(placed: Fitting, gyro: Gyro) -> Constants:
     shape, shape_errors, _ = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
     to_readings = turn.T * vector.size
     stretch = turn.T @ (turn + (others @ shape.constants[6:]).reshape(3, 3))
-    means = longer[..., :12] @ fit.column[:12] * vector.size
-    size = rms(np.linalg.norm(means, axis=1))
     growth = np.linalg.inv(inverse[:3, :3]) - vector.offset_cost * np.eye(3)
     return Constants(
         float(fit.misfit),
-        size,
-        rms(np.linalg.norm(np.diff(means[::2], axis=0), axis=1)) / size,
+        longer[..., :12] @ fit.column[:12] * vector.size,
         fit.constants[3:],
         errors[3:],
         to_readings @ fit.constants[:3],

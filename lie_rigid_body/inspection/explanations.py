@@ -16,8 +16,8 @@ import numpy as np
 from lie_rigid_body.evaluation.attitudes import named
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.inspection.rule import (
-    DEGREE,
     EXCLUDED,
+    GYRO_UNITS,
     MAX_ALTERNATIVES,
     MIN_DELAY_S,
     MIN_LOG_FACTOR,
@@ -25,6 +25,7 @@ from lie_rigid_body.inspection.rule import (
     TOLD_APART,
     TURNS,
     Gyro,
+    nearest_unit,
 )
 from lie_rigid_body.inspection.search import Fitting, Misfits
 
@@ -82,6 +83,10 @@ class SensorExplanation:
         """Number of repairs."""
         return len(self.repairs) + len(self.late)
 
+    def changes(self, what: str) -> bool:
+        """Whether a repair is of a sensor, or has a code."""
+        return any(what in each[:2] for each in self.repairs)
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -119,10 +124,10 @@ def axes_text(matrix: Array) -> str:
 
 def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     """The repair that a factor of the gyro is: a unit, another factor, or none."""
-    for text, unit in (("× π/180", DEGREE), ("× 180/π", 1.0 / DEGREE)):
-        if abs(np.log(factor / unit)) < MIN_LOG_FACTOR:
-            return (SensorRepair("gyro_units", "gyro", text, unit),)
-    return (SensorRepair("time_step", "gyro"),) if abs(np.log(factor)) >= MIN_LOG_FACTOR else ()
+    text, unit, away = nearest_unit(factor, GYRO_UNITS)
+    if away >= MIN_LOG_FACTOR:
+        return (SensorRepair("time_step", "gyro"),)
+    return (SensorRepair("gyro_units", "gyro", text, unit),) if text else ()
 
 
 def axes_of(sign: int, frame: int, turns: Mapping[str, int]) -> dict[str, Array]:
@@ -161,12 +166,16 @@ def _fittings(found: Misfits, gyro: Gyro) -> list[Fitting]:
     for turn, best in enumerate(ratios.argmin(axis=0)):
         plain = short[ratios[short, turn].argmin()]
         for place in {plain, best}:
-            fittings.append(Fitting(found, turn, float(delays[place]), float(ratios[place, turn]), place not in short))
+            numbers = float(delays[place]), float(ratios[place, turn])
+            fittings.append(Fitting(found, gyro, turn, *numbers, is_late=place not in short))
     return [each for each in fittings if each.ratio <= EXCLUDED]
 
 
 def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[SensorExplanation]:
-    """Explanations that are not excluded, of as few repairs as one needs that fits, those of the fewest first."""
+    """Explanations that are not excluded, of as few repairs as one needs that fits.
+
+    Those of the fewest are first, among these those that leave the gyro, among these a known unit before any factor.
+    """
     every: dict[object, SensorExplanation] = {}
     most = np.inf
     for gyro in gyros:
@@ -184,7 +193,7 @@ def explanations(found: Sequence[Misfits], gyros: Sequence[Gyro]) -> list[Sensor
                 if new.ratio <= TOLD_APART:
                     most = min(most, new.count)
     few = [each for each in every.values() if each.count <= most < np.inf]
-    return sorted(few, key=lambda each: (each.count, "gyro" in {repair.sensor for repair in each.repairs}, each.ratio))
+    return sorted(few, key=lambda each: (each.count, *map(each.changes, ("gyro", "time_step")), each.ratio))
 
 
 def judged(every: Sequence[SensorExplanation]) -> Judgement:
@@ -197,21 +206,21 @@ def judged(every: Sequence[SensorExplanation]) -> Judgement:
     """
     fit = [each for each in every if each.ratio <= TOLD_APART]
     best = fit[0]
-    fewest = list(dict.fromkeys(each.repairs for each in fit if each.count == best.count))
-    fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fewest]
-    as_few = [each for each in every if each.count == best.count and (any(fewest) or each in fit)]
-    fewest = list(dict.fromkeys([*fewest, *(each.repairs for each in as_few)]))
-    every_one = [*fewest, *fewer]
+    limit = EXCLUDED if best.repairs else TOLD_APART  # another delay alone excludes no repair
+    as_few = [each for each in every if each.count == best.count and each.ratio <= limit]
+    fewest = list(dict.fromkeys([best.repairs, *(each.repairs for each in as_few)]))
+    fitting = {each.repairs for each in fit if each.count == best.count}
+    fewer = [each.repairs for each in every if each.count < best.count and each.repairs not in fitting]
     is_open = len(fewest) > MAX_ALTERNATIVES or bool(fewer)
-    shared = tuple(repair for repair in best.repairs if all(repair in repairs for repairs in every_one))
-    named_ones = shared if is_open else best.repairs
+    every_one = {repair: None for repairs in (*fewest, *fewer) for repair in repairs}
+    shared = [repair for repair in best.repairs if all(repair in repairs for repairs in (*fewest, *fewer))]
+    named_ones = tuple(shared) if is_open else best.repairs
     turns = zip(*[[fitting.turn for fitting in each.fittings] for each in as_few], strict=True)
-    open_ones = dict.fromkeys(repair for repairs in every_one for repair in repairs if repair not in named_ones)
     return Judgement(
         best,
         named_ones,
-        () if is_open else tuple(repairs for repairs in fewest if repairs != best.repairs),
-        tuple(open_ones) if is_open else (),
+        () if is_open else tuple(fewest[1:]),
+        tuple(repair for repair in every_one if repair not in named_ones) if is_open else (),
         tuple(len({*each}) == 1 and not fewer for each in turns),
         bool(fewer),
     )

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import SI
 
 HOW: Final = "turn it slowly once about each axis, then let it rest for ten seconds"
 """How to record a log that decides."""
@@ -26,6 +27,7 @@ class LogMistake:
     ----------
     code : str
     sensor : str
+        A sensor, ``imu``, ``log`` for all, or ``truth``.
     message : str
     repair : str
         The repair in a few characters, such as ``y x -z``; empty where nothing repairs it.
@@ -96,7 +98,7 @@ class Mark:
     Attributes
     ----------
     sensor : str
-        A sensor, ``imu``, or empty for all.
+        A sensor, ``imu``, or ``log`` for all.
     text : str
         ``rest``, ``compared``, or what is broken.
     begin_ns, end_ns : int
@@ -124,11 +126,6 @@ class Change:
     matrix: Array = field(default_factory=lambda: np.eye(3))
     offset: Array = field(default_factory=lambda: np.zeros(3))
     delay_s: float = 0.0
-
-    @property
-    def is_none(self) -> bool:
-        """Whether nothing is changed."""
-        return not self.delay_s and not self.offset.any() and np.array_equal(self.matrix, np.eye(3))
 
     def applied(self, readings: Array) -> Array:
         """Readings, shape (N, 3), with the change."""
@@ -165,6 +162,11 @@ class Findings:
     def has(self, code: str, sensor: str) -> bool:
         """Whether a mistake of a sensor was found."""
         return any(mistake.code == code and mistake.sensor == sensor for mistake in self.mistakes)
+
+    def unit(self, sensor: str) -> str:
+        """Unit of the repaired readings of a sensor."""
+        is_unknown = any(each.code == f"{sensor}_units" and not each.repair for each in self.mistakes)
+        return "of the readings" if is_unknown else SI[sensor]
 
 
 def _numbers(value: ArrayLike) -> Numbers:

@@ -10,15 +10,23 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth
+from lie_rigid_body.evaluation.gyro import GyroFit
 from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
-from lie_rigid_body.inspection.against_truth import AgainstTruth, report_truth
+from lie_rigid_body.inspection.against_truth import report_truth
 from lie_rigid_body.inspection.comparison import compare
 from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
-from lie_rigid_body.inspection.sentences import tell, tell_unit
-from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, tell_values
+from lie_rigid_body.inspection.sentences import tell_constants, tell_mistakes, tell_unit_of_field
+from lie_rigid_body.inspection.stamps import (
+    Stream,
+    checked_stamps,
+    fresh,
+    tell_broken_axes,
+    tell_range_and_resolution,
+)
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
@@ -29,8 +37,6 @@ READINGS: Final = {
     "magnetometer": ("magnetometer", "field"),
 }
 """Sensors of a run and arrays of theirs that are the readings of each sensor of a log."""
-_OF_TIMES: Final = ("rates", "_late", "_mounting")
-"""Ends of the codes of notes that are of the log as it is; others are of the repaired readings."""
 
 
 @short_dataclass(eq=False)
@@ -61,7 +67,7 @@ class Inspection(Shown):
     marks: tuple[Mark, ...]
     stamps: Mapping[str, Integers]
     _changes: Mapping[str, Change]
-    _truth: AgainstTruth | None = None
+    _truth: GyroFit | None = None
 
     def __str__(self) -> str:
         """Lines that ``inspect`` prints."""
@@ -94,17 +100,17 @@ class Inspection(Shown):
                 t_ns = self.stamps[key]
                 readings = change.applied(getattr(sensors[key], name))
                 if key == sensor:
-                    t_ns = t_ns - round(change.delay_s * 1e9)
+                    t_ns = t_ns - round(change.delay_s * NS)
                 elif change.delay_s:  # the stamps of an IMU are common
                     since = t_ns - t_ns[0]
-                    later = since + change.delay_s * 1e9
+                    later = since + change.delay_s * NS
                     readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
                 sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
         run = replace(self.run, sensors=sensors)
         known = self.run.given_truth
         if known is None or self._truth is None or not any(each.sensor == "truth" for each in self.mistakes):
             return run
-        t_ns = known.stamps_ns - round(self._truth.late_s * 1e9)
+        t_ns = known.stamps_ns - round(self._truth.late_s * NS)
         return run.with_truth(
             SampledTruth(t_ns, quaternion.multiply(known.at(known.stamps_ns), self._truth.mounting_xyzw))
         )
@@ -132,53 +138,40 @@ def inspect(run: Run | str | Path) -> Inspection:
     if isinstance(run, str | Path):
         run = Run.from_log(run)
     require_run(run)
-    found = _inspected(run)
-    if all(change.is_none for change in found._changes.values()):
-        return found
-    again = _inspected(found.repaired())
-    late = {name: each for name, each in found.sensors.items() if name.endswith("_clock_offset")}
-    notes = [
-        *(note for note in found.notes if note.code.endswith(_OF_TIMES)),
-        *(note for note in again.notes if not note.code.endswith(_OF_TIMES)),
-    ]
-    broken = [mark for mark in found.marks if mark.text == "stamps"]
-    return replace(found, notes=tuple(notes), sensors={**again.sensors, **late}, marks=(*again.marks, *broken))
-
-
-def _inspected(run: Run) -> Inspection:
     found = Findings()
     stamps = _stamps(run, found)
-    for key, t_ns in stamps.items():
-        found.estimate(f"{key}_rate", float(f"{1e9 / np.median(np.diff(t_ns)):.7g}"))
-    streams = {
+    every = {
         sensor: Stream.of(sensor, stamps[key], readings)
         for sensor, (key, name) in READINGS.items()
         if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
     }
-    if "accelerometer" in streams:
-        tell_noise([*streams.values()], _declared(run), found)
-    streams = {sensor: fresh(stream, found) for sensor, stream in streams.items() if stream.readings.any()}
-    for sensor, stream in streams.items():
-        if found.has("repeated", sensor) and sensor != "accelerometer":  # an IMU has the rate of its gyro
+    every = {sensor: stream for sensor, stream in every.items() if stream.readings.any()}
+    streams = {sensor: fresh(stream, found) for sensor, stream in every.items()}
+    for sensor, stream in reversed(streams.items()):  # an IMU has the rate of its gyro
+        if stream.step_s:
             found.estimate(f"{READINGS[sensor][0]}_rate", float(f"{1.0 / stream.step_s:.7g}"))
-        tell_values(stream, found)
+        tell_broken_axes(stream, found)
     streams = {sensor: stream for sensor, stream in streams.items() if not found.has("stuck", sensor)}
+    comparison = None
     if "gyro" in streams and len(streams) > 1:
-        gyro, *others = streams.values()
-        comparison = compare(gyro, others, found)
-        if comparison is not None:
-            tell(comparison, found)
+        comparison = compare(*streams.values(), found=found)
     elif run.given_truth is None and streams:
         for code in ("gyro_axes", "gyro_units", "time_step"):
             found.ask(code, "the gyro and another sensor that moves are needed")
+    if comparison is not None:
+        tell_mistakes(comparison, found)
     if "magnetometer" in streams:
-        iron = found.sensors.get("magnetometer_hard_iron")
-        field = streams["magnetometer"].readings - (iron.value if iron else 0.0)
-        tell_unit("magnetometer", float(np.median(np.linalg.norm(field, axis=1))), is_sure=True, found=found)
+        tell_unit_of_field(streams["magnetometer"], comparison, found)
     truth = None
     if run.given_truth is not None and "gyro" in streams:
-        gyro = replace(streams["gyro"], readings=found.changes["gyro"].applied(streams["gyro"].readings))
-        truth = report_truth(found, gyro, run.given_truth)
+        truth = report_truth(found, streams["gyro"].changed(found.changes["gyro"]), run.given_truth)
+    repaired = {sensor: stream.changed(found.changes[sensor]) for sensor, stream in every.items()}
+    if "gyro" in repaired and "accelerometer" in repaired:
+        tell_noise(repaired, _declared(run), found)
+    for stream in repaired.values():
+        tell_range_and_resolution(stream, found)
+    if comparison is not None:
+        tell_constants(comparison, found)
     return Inspection(
         tuple(found.mistakes),
         tuple(found.undecided.values()),
@@ -203,15 +196,23 @@ def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     keys = {key for key, _ in READINGS.values()}
     given = {key: each.t_ns for key, each in run.sensors.items() if key in keys and len(each.t_ns) > 1}
     widest = max(given.values(), key=np.ptp, default=np.zeros(1, dtype=np.int64))
-    stamps = {key: checked_stamps(key, t_ns, widest, found) for key, t_ns in given.items()}
+    if len(given) == 2 and np.array_equal(given["imu"], given["magnetometer"]):
+        stamps = dict.fromkeys(given, checked_stamps("log", widest, widest, found))
+    else:
+        stamps = {key: checked_stamps(key, t_ns, widest, found) for key, t_ns in given.items()}
     if not np.ptp(widest):
         return {}  # no stamps tell any time
     if len(stamps) == 2:
-        imu = stamps["imu"]
-        other = stamps["magnetometer"]
-        if other[0] > imu[-1] or imu[0] > other[-1]:
-            ahead_s = (other[0] - imu[0]) / 1e9
-            text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
-            found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
-            stamps["magnetometer"] = other - other[0] + imu[0]
+        _tell_other_clock(stamps, found)
     return stamps
+
+
+def _tell_other_clock(stamps: dict[str, Integers], found: Findings) -> None:
+    """Name stamps of the magnetometer that have no time in common with the IMU, and move them to its first."""
+    imu = stamps["imu"]
+    other = stamps["magnetometer"]
+    if other[0] > imu[-1] or imu[0] > other[-1]:
+        ahead_s = (other[0] - imu[0]) / NS
+        text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
+        found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
+        stamps["magnetometer"] = other - other[0] + imu[0]

@@ -1,15 +1,11 @@
-"""Noise of sensors at rest, by the overlapping Allan deviation, with standard errors.
+"""Noise of sensors in the longest rest of a log, the bias of its gyro, and declared variances.
 
-The Allan variance of white noise of density N and a random walk of density K is N²/τ + K²τ/3 (IEEE Std 952-1997, annex
-C). Its equivalent degrees of freedom are those of white noise over many readings (D. A. Howe, D. W. Allan, J. A.
-Barnes, "Properties of signal sources and measurement methods", 1981, table 2). Rounding to a resolution r adds white
-noise of variance r²/12, which is taken off.
+Rounding to a resolution r adds white noise of variance r²/12, which is taken off.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,100 +16,20 @@ from lie_rigid_body.inspection.rule import (
     MAX_REST_COLOUR,
     MAX_REST_RATE,
     MAX_VARIANCE_RATIO,
-    MIN_ALLAN_CYCLES,
-    MIN_ALLAN_S,
     MIN_REST_S,
-    OCTAVES_SHARED,
     REST_PARTS,
     REST_SIGMAS,
     REST_WINDOW_S,
-    SI,
-    SIGMAS,
 )
 from lie_rigid_body.inspection.stamps import Stream, resolution
+from lie_rigid_body.sensors.allan import allan, density
 
 
-class Allan(NamedTuple):
-    """Overlapping Allan variance of the mean of K axes.
+def _at_rest(readings: Array, part: int, most: float) -> Booleans:
+    """Whether each window is at rest: it scatters as white noise does, and its mean is as before, and small.
 
-    Attributes
-    ----------
-    tau_s, variance : ndarray, shape (M,)
-        Averaging times, s, and variances, (unit of the readings)².
-    freedom : ndarray, shape (M,)
-        Equivalent degrees of freedom.
+    The jerk by which a motion begins is as white as noise, but more than usual at rest.
     """
-
-    tau_s: Array
-    variance: Array
-    freedom: Array
-
-
-class Density(NamedTuple):
-    """Densities of noise with their standard errors.
-
-    Attributes
-    ----------
-    white, white_sigma : float
-        Of white noise, unit/√Hz.
-    walk, walk_sigma : float
-        Of the random walk, unit/s/√Hz; 0 where it is not told.
-    """
-
-    white: float
-    white_sigma: float
-    walk: float
-    walk_sigma: float
-
-
-def allan(readings: Array, step_s: float) -> Allan:
-    """Compute the Allan variance at averaging times of powers of two steps.
-
-    Parameters
-    ----------
-    readings : ndarray, shape (N, K)
-    step_s : float
-        Time between readings, s.
-    """
-    count, axes = readings.shape
-    sums = np.cumsum(np.pad(readings - readings.mean(axis=0), ((1, 0), (0, 0))), axis=0)
-    shortest = max(MIN_ALLAN_S / step_s, 1.0)
-    powers = 2.0 ** np.arange(np.ceil(np.log2(shortest)), np.log2(count / MIN_ALLAN_CYCLES))
-    squares = [
-        np.mean((sums[2 * size :] - 2.0 * sums[size:-size] + sums[: -2 * size]) ** 2)
-        for size in powers.astype(np.int64)
-    ]
-    return Allan(powers * step_s, np.array(squares) / (2.0 * powers**2), axes * (1.5 * count / powers - 2.0))
-
-
-def density(found: Allan) -> Density:
-    """Fit white noise and a random walk to an Allan variance, by standard errors of the model; a walk that is told.
-
-    White noise is that beside a walk, told or not, unless the fitted square of the walk is negative.
-    """
-    model = np.stack([1.0 / found.tau_s, found.tau_s / 3.0], axis=1)
-    squares, errors = _weighted(model, found)
-    is_told = squares[1] > SIGMAS * errors[1]
-    if squares[1] < 0.0:
-        squares, errors = _weighted(model[:, :1], found)
-    sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
-    numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
-    return Density(*(numbers if is_told else [*numbers[:2], 0.0, 0.0]))
-
-
-def _weighted(model: Array, found: Allan) -> tuple[Array, Array]:
-    """Coefficients of a model of the variance and their standard errors, weighted by those of the model itself."""
-    expected = found.variance
-    for _ in range(3):
-        weighted = model.T * (found.freedom / 2.0 / np.maximum(expected, np.finfo(np.float64).tiny) ** 2)
-        covariance = np.linalg.inv(weighted @ model)
-        squares = covariance @ weighted @ found.variance
-        expected = np.abs(model @ squares)
-    return squares, np.sqrt(OCTAVES_SHARED * np.diag(covariance))
-
-
-def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
-    """Whether each window scatters as white noise does, with a mean like that before and of at most a size."""
     size = part * REST_PARTS
     parts = readings[: len(readings) // size * size].reshape(-1, REST_PARTS, part, 3)
     means = parts.mean(axis=(1, 2))
@@ -121,14 +37,9 @@ def _windows_at_rest(readings: Array, part: int, most: float) -> Booleans:
     is_white = parts.mean(axis=2).var(axis=1) * part <= MAX_REST_COLOUR * variances
     change = np.abs(np.diff(means, axis=0, prepend=means[:1]))
     is_steady = change <= REST_SIGMAS * np.sqrt(2.0 * variances / size)
-    return np.asarray((is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most))
-
-
-def _windows_as_usual(readings: Array, size: int, at_rest: Booleans) -> Booleans:
-    """Whether each window scatters as most at rest do: the jerk by which a motion begins is as white as noise."""
-    variances = readings[: len(readings) // size * size].reshape(-1, size, 3).var(axis=1)
-    usual = np.median(variances[at_rest], axis=0) if at_rest.any() else np.zeros(3)
-    return np.asarray(((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
+    at_rest = (is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most)
+    usual = np.median(variances[at_rest] if at_rest.any() else variances, axis=0)
+    return np.asarray(at_rest & ((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
 
 
 def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
@@ -138,11 +49,7 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     size = part * REST_PARTS
     if part < 2 or not size <= len(gyro.t_ns) == len(accelerometer.t_ns):
         return None
-    at_rest = _windows_at_rest(gyro.readings, part, MAX_REST_RATE)
-    at_rest &= _windows_at_rest(accelerometer.readings, part, np.inf)
-    at_rest &= _windows_as_usual(gyro.readings, size, at_rest) & _windows_as_usual(
-        accelerometer.readings, size, at_rest
-    )
+    at_rest = _at_rest(gyro.readings, part, MAX_REST_RATE) & _at_rest(accelerometer.readings, part, np.inf)
     runs = zip(*runs_of(0, at_rest), strict=True)
     first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
     if (last + 1 - first) * size * step_s < MIN_REST_S:
@@ -163,27 +70,27 @@ def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
     found.name("covariance", still.sensor, f"{text} at rest", f"variances of {repair}")
 
 
-def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Findings) -> None:
+def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], found: Findings) -> None:
     """Tell the noise of all sensors, and the gyro's bias, in the longest rest.
 
     Parameters
     ----------
-    streams : list of Stream
-        Gyro, accelerometer, and perhaps a magnetometer.
+    streams : mapping of str to Stream
+        Repaired readings of gyro, accelerometer, and perhaps a magnetometer.
     declared : mapping of str to ndarray, shape (3,)
         Declared variances of sensors, (unit of the readings)².
     found : Findings
     """
-    rest = longest_rest(*streams[:2])
+    rest = longest_rest(streams["gyro"], streams["accelerometer"])
     if rest is None:
         for sensor in declared:
             found.ask("covariance", f"the {sensor} declares a variance, and never rests")
         return
-    found.marks.append(Mark("", "rest", *rest))
-    for stream in streams:
+    found.marks.append(Mark("log", "rest", *rest))
+    for name, stream in streams.items():
         still = stream.between(*rest)
-        if stream.sensor in declared:
-            _judge_variance(still, declared[stream.sensor], found)
+        if name in declared:
+            _judge_variance(still, declared[name], found)
         step_s = still.step_s
         if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
             continue
@@ -192,8 +99,8 @@ def tell_noise(streams: list[Stream], declared: Mapping[str, Array], found: Find
         if np.any(grid > measured.variance / 2.0):
             continue  # the resolution hides the noise
         told = density(measured._replace(variance=measured.variance - grid))
-        name = stream.sensor
-        found.note("noise", f"the {name} has white noise of {told.white:.3g} {SI[name]}/√Hz at rest", told.white)
+        text = f"the {name} has white noise of {told.white:.3g} {found.unit(name)}/√Hz at rest"
+        found.note("noise", text, told.white)
         found.estimate(f"{name}_noise_density", told.white, told.white_sigma)
         if told.walk:
             found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)

@@ -6,6 +6,7 @@ simulated ones. `benchmarks/inspection.py` measures them again.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -81,7 +82,9 @@ RIGHT: Final = Gyro(1, 1.0)
 """A gyro without mistake."""
 DEGREE: Final = float(np.pi / 180.0)
 """Radians of a degree."""
-_FACTORS: Final = (1.0, DEGREE, 1.0 / DEGREE, *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
+GYRO_UNITS: Final = {"": 1.0, "× π/180": DEGREE, "× 180/π": 1.0 / DEGREE}
+"""Factors of the gyro that are those of units, by their repairs."""
+_FACTORS: Final = (*GYRO_UNITS.values(), *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
 GYROS: Final = tuple(Gyro(sign, factor) for factor in _FACTORS for sign in (1, -1))
 """Gyros of the first screening: units, and quarter octaves up to four octaves."""
 NO_DELAYS_S: Final = (0.0, -0.02, 0.02)
@@ -122,9 +125,6 @@ sheets allow half a degree."""
 MAX_SHAPE_ERROR: Final = 0.02
 """Largest standard error of an element of soft iron with which it is told."""
 
-SI: Final = {"gyro": "rad/s", "accelerometer": "m/s²", "magnetometer": "T"}
-"""Units of repaired readings."""
-
 # --- gravity and units -----------------------------------------------------------------------------------------------
 GRAVITY: Final = 9.80665
 """Standard gravity, m/s²."""
@@ -140,6 +140,14 @@ MAGNETOMETER_UNITS: Final = {
     "nT": FIELD_T * 1e9,
 }
 """This field in the units of magnetometers."""
+
+
+def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, float]:
+    """Unit in which a size is most like the one of a table, this, and the absolute logarithm of their ratio."""
+    unit, known = min(units.items(), key=lambda item: abs(np.log(size / item[1])))
+    return unit, known, abs(float(np.log(size / known)))
+
+
 SAME_FIELD: Final = 1.15
 """Logarithm of the ratio to it up to which a field is the earth's: 12 to 120 µT, as iron adds as much again."""
 OTHER_FIELD: Final = 1.85
@@ -168,6 +176,8 @@ MAX_REPEATED_STAMPS: Final = 0.01
 """Share of repeated stamps from which they are a mistake."""
 BURST_STEP: Final = 0.2
 """Step, in mean steps, below which a reading follows in a burst."""
+PAUSES: Final = 0.001
+"""Share of the steps that this mean leaves out, the longest: a log that paused has no bursts."""
 MAX_IN_BURSTS: Final = 0.3
 """Share of such steps from which stamps come in bursts."""
 GAP_STEP: Final = 5.0
@@ -210,23 +220,11 @@ REST_PARTS: Final = 10
 """Number of parts of a window, whose means scatter as those of white noise at rest."""
 MAX_REST_COLOUR: Final = 5.0
 """Largest ratio of the variance of these means to that of white noise: sensors have low-pass filters."""
-MIN_ALLAN_S: Final = 0.1
-"""Shortest averaging time of the Allan deviation, s: filters of sensors are faster."""
-OCTAVES_SHARED: Final = 2.0
-"""Factor of the variances of fitted densities, as octaves share readings: errors are 1.4 to 1.5 times those without."""
-MIN_ALLAN_CYCLES: Final = 5.0
-"""Least duration of rest over the longest averaging time."""
 MAX_VARIANCE_RATIO: Final = 4.0
 """Ratio of a declared variance and the scatter at rest from which they contradict each other."""
 
 # --- against a truth -------------------------------------------------------------------------------------------------
-TRUTH_STEP: Final = 0.5
-"""Rotation in the short times over which gyro and truth are compared, rad: it outweighs the noise of cameras."""
-MAX_TRUTH_STEPS: Final = 2000
-"""Largest number of such times."""
 MAX_TRUTH_MISFIT: Final = 0.5
 """Misfit of their rotations, as a share, above which a truth is not that of the gyro."""
 MIN_TRUTH_MOUNTING: Final = float(np.radians(2.0))
 """Least angle between the axes of the gyro and of the truth's body that is a mistake, rad."""
-PAUSES: Final = 0.001
-"""Share of the steps that this mean leaves out, the longest: a log that paused has no bursts."""

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from heapq import nlargest
 from itertools import chain, product
-from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.inspection.minimum import minimum
+from lie_rigid_body.inspection.minimum import Minimum, minimum
 from lie_rigid_body.inspection.rule import (
     CHUNKS,
     DELAY_STEPS_S,
     DELAYS_S,
     EXCLUDED,
     GYROS,
+    MAX_NEWTON_STEPS,
     MIN_SHARE_LEFT,
     RIGHT,
     TURNS,
@@ -35,7 +34,7 @@ class Misfits(Vector):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self._chosen = 0
-        self._found: defaultdict[Gyro, dict[float, Array]] = defaultdict(dict)
+        self._found: dict[tuple[Gyro, float], Array] = {}
 
     @property
     def length_s(self) -> float:
@@ -45,45 +44,42 @@ class Misfits(Vector):
     def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
         """Try all turns with one gyro and one delay, s, in windows of each length."""
         windows = self.windows(gyro, delay_s, *self.lengths_s)
-        self._found[gyro][delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
+        self._found[gyro, delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
 
     @cached_property
     def _usual(self) -> Array:
         """How well a usual hypothesis fits, in windows of each length: the median of the first ones."""
-        return np.asarray(np.median([self._found[gyro][0.0] for gyro in GYROS], axis=(0, 2)))
+        return np.asarray(np.median([self._found[gyro, 0.0] for gyro in GYROS], axis=(0, 2)))
 
     def contrast(self, gyro: Gyro) -> float:
         """How much better than a usual hypothesis a gyro fits at best."""
-        return max(float((self._usual / misfits.min(axis=1)).max()) for misfits in self._found[gyro].values())
+        every = [misfits.min(axis=1) for (tried, _), misfits in self._found.items() if tried == gyro]
+        return float(np.max(self._usual / every))
 
-    def best(self, length: int | None = None) -> tuple[float, Gyro, float, int]:
-        """Least misfit in windows of the chosen length, or of another by its index, with gyro, delay, s, and turn."""
+    def best(self, length: int | None = None) -> tuple[float, Fitting]:
+        """Least misfit in windows of the chosen length, or of another by its index, and where it is."""
         which = self._chosen if length is None else length
-        every = [
-            (float(misfits[which].min()), gyro, delay, int(misfits[which].argmin()))
-            for gyro, by_delay in self._found.items()
-            for delay, misfits in by_delay.items()
-        ]
-        return min(every, key=itemgetter(0))
+        (gyro, delay_s), misfits = min(self._found.items(), key=lambda item: float(item[1][which].min()))
+        return float(misfits[which].min()), Fitting(self, gyro, int(misfits[which].argmin()), delay_s)
 
     def choose_length(self) -> None:
         """Choose the windows in which the best hypothesis stands out most, if they leave much of the vector."""
         merits = []
         for i, length_s in enumerate(self.lengths_s):
-            least, gyro, delay_s, turn = self.best(i)
-            means = Fitting(self, turn, delay_s).means(gyro, length_s)
-            merits.append((rms(np.linalg.norm(means, axis=1)) > MIN_SHARE_LEFT, self._usual[i] / least, i))
+            least, best = self.best(i)
+            left = rms(np.linalg.norm(best.means(length_s), axis=1))
+            merits.append((left > MIN_SHARE_LEFT, self._usual[i] / least, i))
         self._chosen = max(merits)[2]
 
     def by_delay(self, gyro: Gyro) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
-        delays = sorted(self._found[gyro])
-        return np.array(delays), np.array([self._found[gyro][delay][self._chosen] for delay in delays])
+        delays = sorted(delay_s for tried, delay_s in self._found if tried == gyro)
+        return np.array(delays), np.array([self._found[gyro, delay][self._chosen] for delay in delays])
 
     @property
     def plain(self) -> float:
         """Misfit without a repair."""
-        return float(self._found[RIGHT][0.0][self._chosen, 0])
+        return float(self._found[RIGHT, 0.0][self._chosen, 0])
 
     def turns(self, gyro: Gyro) -> Integers:
         """Turns that are not excluded with a gyro."""
@@ -96,16 +92,17 @@ class Misfits(Vector):
         self.choose_length()
         delays, misfits = self.by_delay(gyro)
         best, turn = divmod(int(misfits.argmin()), len(TURNS))
-        squares = partial(Fitting(self, turn, 0.0).squares, gyro, self.length_s)
-        self.add(gyro, minimum(squares, float(delays[best]), DELAY_STEPS_S[0]).place)
+        placed = Fitting(self, gyro, turn, float(delays[best]))
+        self.add(gyro, placed.fit_delay(self.length_s, DELAY_STEPS_S[0]).place)
 
 
 class Fitting(NamedTuple):
-    """One vector under one gyro.
+    """One vector under one hypothesis.
 
     Attributes
     ----------
     misfits : Misfits
+    gyro : Gyro
     turn : int
         Index in `TURNS`.
     delay_s : float
@@ -116,6 +113,7 @@ class Fitting(NamedTuple):
     """
 
     misfits: Misfits
+    gyro: Gyro
     turn: int
     delay_s: float
     ratio: float = 1.0
@@ -126,18 +124,22 @@ class Fitting(NamedTuple):
         """Sensor of the vector."""
         return self.misfits.sensor
 
-    def means(self, gyro: Gyro, length_s: float) -> Array:
+    def means(self, length_s: float) -> Array:
         """Mean vectors in the world, as shares of the readings, shape (W, 3)."""
-        (windows,) = self.misfits.windows(gyro, self.delay_s, length_s)
+        (windows,) = self.misfits.windows(self.gyro, self.delay_s, length_s)
         column = self.misfits.fit(gram(windows)).column[self.turn]
         return np.asarray(windows[..., :12] @ column[:12])
 
-    def squares(self, gyro: Gyro, length_s: float, delay_s: float) -> Array:
-        """Squared misfits of the chunks at a delay, with the constants that fit all of them, shape (chunks,)."""
-        (windows,) = self.misfits.windows(gyro, delay_s, length_s)
+    def squares(self, length_s: float) -> Array:
+        """Squared misfits of the chunks, with the constants that fit all of them, shape (chunks,)."""
+        (windows,) = self.misfits.windows(self.gyro, self.delay_s, length_s)
         grams = gram(windows, CHUNKS)
         column = self.misfits.fit(grams).column[self.turn]
         return np.asarray(grams @ column @ column)
+
+    def fit_delay(self, length_s: float, step_s: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:
+        """Fit the delay in windows of one length, from its own value on."""
+        return minimum(lambda delay_s: self._replace(delay_s=delay_s).squares(length_s), self.delay_s, step_s, moves)
 
 
 def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:
@@ -148,9 +150,9 @@ def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:
     found : sequence of Misfits
         Of each vector.
     more : sequence of Gyro
-        Gyros that are tried in place of those of `GYROS`.
+        Likely gyros, if those of `GYROS` were tried.
     """
-    for gyro, each in product(more or GYROS, found):
+    for gyro, each in product(() if more else GYROS, found):
         each.add(gyro)
     for gyro, each in product(more or _likely(found), found):
         each.scan(gyro)

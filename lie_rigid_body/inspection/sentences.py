@@ -9,10 +9,9 @@ import numpy as np
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.wording import components, numerals
 from lie_rigid_body.inspection.comparison import Compared, SensorComparison
-from lie_rigid_body.inspection.constants import nearest_unit, other_delays
+from lie_rigid_body.inspection.constants import other_delays
 from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
-from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
@@ -33,12 +32,11 @@ from lie_rigid_body.inspection.rule import (
     SAME_UNIT,
     SIGMAS,
     TURNS,
+    nearest_unit,
 )
+from lie_rigid_body.inspection.stamps import Stream
 
 _MEANINGS = {
-    "gyro_axes": "the gyro's axes are not those of the other sensors",
-    "accelerometer_axes": "the accelerometer's axes are not those of the other sensors, but for the sign of the whole",
-    "magnetometer_axes": "the magnetometer's axes are not those of the other sensors, but for the sign of the whole",
     "gyro_units": "the gyro reads degrees",
     "time_step": "the gyro counts by another factor than the other sensors show",
     "-x -y -z": "the gyro has the opposite sign, or all sensors have a left-handed frame",
@@ -58,17 +56,22 @@ _UNITS: Final = {
 """Vectors of a known size, these sizes by their units, limits of the logarithm of their ratio, and codes."""
 
 
-def tell(comparison: SensorComparison, found: Findings) -> None:
-    """Tell all that a comparison shows."""
+def tell_mistakes(comparison: SensorComparison, found: Findings) -> None:
+    """Tell the mistakes that a comparison shows, and what it does not decide."""
     _tell_axes(comparison, found)
     _tell_other_turns(comparison, found)
     _tell_factor(comparison, found)
     _tell_delays(comparison, found)
     for each in comparison.vectors:
-        if each.sensor == "magnetometer":
-            _tell_hard_iron(each, found)
-        else:
+        if each.sensor == "accelerometer":
             _tell_constant_and_unit(comparison, each, found)
+
+
+def tell_constants(comparison: SensorComparison, found: Findings) -> None:
+    """Tell the constants that a comparison shows, of the repaired readings."""
+    for each in comparison.vectors:
+        if each.sensor == "magnetometer":
+            _tell_iron(each, found)
     _tell_rate_bias(comparison, found)
     if len(comparison.vectors) == 2 and all(each.is_told for each in comparison.vectors):
         _tell_dip(comparison, found)
@@ -96,7 +99,9 @@ def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
 
 def _meaning(repair: SensorRepair) -> str:
     """Meaning of a repair, in words: by its text where there is a sentence of its own."""
-    return _MEANINGS.get(repair.text) or _MEANINGS[repair.code]
+    sign = "" if repair.sensor == "gyro" else ", but for the sign of all three, of which the dip tells"
+    axes = f"the {repair.sensor}'s axes are not those of the other sensors{sign}"
+    return _MEANINGS.get(repair.text, _MEANINGS.get(repair.code, axes))
 
 
 def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
@@ -122,30 +127,29 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
         found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
         found.changes["gyro"].matrix *= factor
     elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR or "time_step" in codes:
-        found.ask("time_step", f"the gyro's factor of {factor:.4g} is only known to {sigma:.0%}")
+        found.ask("time_step", f"the gyro's factor of {factor:.4g} ± {sigma:.1g} is not told apart from 1")
 
 
 def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
     """Tell sensors that are late; two that are as late as each other are a gyro that is early."""
-    delays = {each.sensor: each.delay for each in comparison.vectors}
-    late: dict[str, Minimum] = {}
+    late = []
     for each in comparison.vectors:
         delay = each.delay
         unseen_s = delay.unseen(MIN_DELAY_S)
         code = f"{each.sensor}_late"
-        others = other_delays(each.placed, comparison.verdict.best.gyro, comparison.gyro, delay)
+        others = other_delays(each.placed, comparison.verdict.best.gyro, delay)
         if others:
             text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
             found.ask(code, f"the motion recurs, so that {text} do as well")
         elif abs(delay.place) > unseen_s and each.is_told:
-            late[each.sensor] = delay
+            late.append(each)
         elif abs(delay.place) > MIN_DELAY_S or unseen_s > DIM_DELAY_S:
             found.ask(code, f"a delay of the {each.sensor} of {unseen_s:.2g} s is not seen")
         else:
             text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
             found.note(code, text, delay.place)
-    is_alike = all(one.is_like(other) for one in late.values() for other in delays.values())
-    named = {sensor: delay.place for sensor, delay in late.items()}
+    is_alike = all(one.delay.is_like(other.delay) for one in late for other in comparison.vectors)
+    named = {each.sensor: each.delay.place for each in late}
     if is_alike and len(late) == 2:
         named = {"gyro": -float(np.mean([*named.values()]))}
     or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
@@ -154,34 +158,40 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
         found.changes[sensor].delay_s = delay_s
     if "magnetometer" in named:
-        delay = late["magnetometer"]
+        delay = late[-1].delay
         common_s = delay.level / max(delay.slope, 1e-9) / np.sqrt(INDEPENDENT_STEPS)
         found.estimate("magnetometer_clock_offset", delay.place, np.hypot(delay.sigma, common_s))
 
 
-def _tell_hard_iron(each: Compared, found: Findings) -> None:
+def _tell_iron(each: Compared, found: Findings) -> None:
     """Tell the size of the field, and hard and soft iron."""
     constants = each.constants
-    size = constants.size
-    share = constants.offset_share
-    found.note("field", f"the field has a size of {size:.4g} in the readings' unit", size)
+    repair = found.changes[each.sensor].matrix
+    unit = found.unit(each.sensor)
+    field = np.linalg.norm(repair[0]) * constants.size
+    found.note("field", f"the field has a size of {field:.4g} {unit}: does this fit the place?", field)
+    iron = repair @ constants.shape_offset
+    error = np.abs(repair) @ constants.shape_offset_sigma
     if each.is_told:
-        found.estimate("magnetometer_hard_iron", constants.shape_offset, constants.shape_offset_sigma)
+        found.estimate("magnetometer_hard_iron", iron, error)
         if constants.misfit > MIN_GAIN * constants.shape_misfit and np.all(constants.shape_sigma < MAX_SHAPE_ERROR):
-            soft_iron = np.linalg.inv(constants.shape)
+            back = np.linalg.inv(repair)
+            soft_iron = repair @ np.linalg.inv(constants.shape) @ back
             soft_iron *= 3.0 / np.trace(soft_iron)  # its size is that of the field
             found.note("soft_iron", f"soft iron, or unequal axes, of ({numerals(soft_iron.ravel())})", soft_iron)
-            turned = MOUNTING_ERROR * (1.0 - np.eye(3))
-            found.estimate("magnetometer_soft_iron", soft_iron, np.hypot(constants.shape_sigma, turned))
-    is_sure = share > SIGMAS * rms(constants.offset_sigma) / size and constants.sees(constants.offset)
+            sigma = np.abs(repair) @ constants.shape_sigma @ np.abs(back)
+            found.estimate("magnetometer_soft_iron", soft_iron, np.hypot(sigma, MOUNTING_ERROR * (1.0 - np.eye(3))))
+    share = constants.offset_share
+    is_sure = share * constants.size > SIGMAS * rms(constants.offset_sigma) and constants.sees(constants.offset)
     if share > MIN_HARD_IRON and is_sure:
-        if each.is_told and np.linalg.norm(constants.shape_offset) > MIN_HARD_IRON * size:
-            text = f"hard iron of ({numerals(constants.shape_offset)}), {share:.2f} of the field"
-            found.note("hard_iron", text, constants.shape_offset)
+        if each.is_told and np.linalg.norm(constants.shape_offset) > MIN_HARD_IRON * constants.size:
+            text = f"hard iron of ({numerals(iron, 3)}) ± ({numerals(error, 1)}) {unit}, {share:.2f} of the field"
+            found.note("hard_iron", text, iron)
         else:
             found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
-    if not constants.sees(MIN_HARD_IRON * size * constants.blind):
-        found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
+    if not constants.sees(MIN_HARD_IRON * constants.size * constants.blind):
+        blind = components(repair @ constants.blind / np.linalg.norm(repair[0]), 2)
+        found.ask("hard_iron", f"hard iron along ({blind}) of the sensor is not seen")
 
 
 def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found: Findings) -> None:
@@ -195,36 +205,43 @@ def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found:
     size = constants.size
     is_clear = constants.misfit <= MAX_UNIT_MISFIT and constants.sees(MIN_HARD_IRON * size * constants.blind)
     is_sure = is_clear and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
-    tell_unit(each.sensor, size, is_sure=is_sure, found=found)
+    _tell_unit(each.sensor, size, is_sure=is_sure, found=found)
 
 
 def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
     """Tell the bias of the gyro's readings that the vector with the least misfit shows, unless rest has told it."""
     best = min((each.constants for each in comparison.vectors), key=lambda constants: constants.misfit)
-    bias = -best.rate_bias / comparison.gyro.multiplier
+    repair = found.changes["gyro"].matrix / comparison.gyro.multiplier
     if "gyro_bias" not in found.sensors:
-        found.estimate("gyro_bias", bias, best.rate_bias_sigma / comparison.gyro.factor)
+        found.estimate("gyro_bias", -repair @ best.rate_bias, np.abs(repair) @ best.rate_bias_sigma)
     shown = found.sensors["gyro_bias"].value
     found.note("gyro_bias", f"the gyro has a bias of ({numerals(np.degrees(shown))}) °/s", shown)
 
 
 def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     """Tell the angle between the field and the horizontal, positive if it points down."""
-    length_s = min(each.placed.misfits.lengths_s[-1] for each in comparison.vectors)
-    means = [each.placed.means(comparison.gyro, length_s) for each in comparison.vectors]
-    up, north = (each[: min(map(len, means))] / np.linalg.norm(each, axis=1).mean() for each in means)
-    dip = -np.degrees(np.arcsin(np.mean(np.sum(up * north, axis=1))))
+    up, north = (each.constants.means / each.constants.size for each in comparison.vectors)
+    both = min(len(up), len(north))
+    dip = -np.degrees(np.arcsin(np.mean(np.sum(up[:both] * north[:both], axis=1))))
     half, other = ("northern", "southern") if dip > 0.0 else ("southern", "northern")
     text = (
         f"the field points {abs(dip):.1f}° {'below' if dip > 0.0 else 'above'} the horizontal, as in the {half} "
         f"hemisphere: does this fit the place? In the {other} one, one of the two vectors has the opposite sign"
     )
     found.note("dip", text, dip)
-    size = comparison.vectors[-1].constants.size
+    (size,) = (note.value for note in found.notes if note.code == "field")
     found.estimate("magnetic_field", size * np.array([0.0, np.cos(np.radians(dip)), -np.sin(np.radians(dip))]))
 
 
-def tell_unit(sensor: str, size: float, *, is_sure: bool, found: Findings) -> None:
+def tell_unit_of_field(readings: Stream, comparison: SensorComparison | None, found: Findings) -> None:
+    """Tell the unit of a magnetometer, by the size of its readings less the hard iron that is told."""
+    told = [] if comparison is None else [each for each in comparison.vectors if each.sensor == readings.sensor]
+    iron = sum(each.constants.shape_offset for each in told if each.is_told)
+    size = float(np.median(np.linalg.norm(readings.readings - iron, axis=1)))
+    _tell_unit("magnetometer", size, is_sure=True, found=found)
+
+
+def _tell_unit(sensor: str, size: float, *, is_sure: bool, found: Findings) -> None:
     """Tell the unit of an accelerometer or a magnetometer, by the size of gravity or of the field in it.
 
     Parameters
@@ -244,6 +261,7 @@ def tell_unit(sensor: str, size: float, *, is_sure: bool, found: Findings) -> No
             found.ask(code, f"{vector} is {size:.4g} in the {sensor}'s unit, which may be {unit}")
     elif away >= other or unit != si:
         told = unit if away < same else "an unknown unit, or counts"
+        told += ", or counts of this size" if sensor == "magnetometer" and away < same else ""
         is_known = away < same or sensor == "accelerometer"  # gravity has one size, the field has many
         factor = si_size / (usual if away < same else size) if is_known else 1.0
         repair = f"× {factor:.6g}" if is_known else ""

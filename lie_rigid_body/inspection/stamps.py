@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Final
 
 import numpy as np
 from scipy.interpolate import interp1d
 
-from lie_rigid_body.evaluation.attitudes import longest_rising
+from lie_rigid_body.evaluation.attitudes import longest_rising, period_ns
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import counted
-from lie_rigid_body.inspection.findings import Findings, Mark
+from lie_rigid_body.inspection.findings import Change, Findings, Mark
 from lie_rigid_body.inspection.rule import (
     BURST_STEP,
     CLIPPED_DROP,
@@ -53,13 +55,17 @@ class Stream:
         finite = np.isfinite(readings).all(axis=1)
         return cls(sensor, t_ns, readings)[finite]
 
+    def changed(self, change: Change) -> Stream:
+        """Readings with a change of their values."""
+        return replace(self, readings=change.applied(self.readings))
+
     def __getitem__(self, rows: slice | Booleans) -> Stream:
         return replace(self, t_ns=self.t_ns[rows], readings=self.readings[rows])
 
     @property
     def step_s(self) -> float:
         """Median time between readings, s; 0 for less than two."""
-        return float(np.median(np.diff(self.t_ns))) / 1e9 if len(self.t_ns) > 1 else 0.0
+        return period_ns(self.t_ns) / NS
 
     def between(self, begin_ns: int, end_ns: int) -> Stream:
         """Readings from one time on and up to another one, ns."""
@@ -68,10 +74,9 @@ class Stream:
 
     def averaged(self, rate_hz: float, origin_ns: int) -> tuple[Array, Array]:
         """Means over as many readings as leave a rate, Hz: times since an origin, s, and readings."""
-        seconds = float(np.ptp(self.t_ns)) / 1e9 if len(self.t_ns) else 0.0
-        size = max(int(len(self.t_ns) / rate_hz / max(seconds, 1e-9)), 1)
+        size = max(int(NS / rate_hz / max(period_ns(self.t_ns), 1)), 1)
         rows = np.arange(len(self.t_ns) // size * size).reshape(-1, size)
-        return (self.t_ns - origin_ns)[rows].mean(axis=1) / 1e9, self.readings[rows].mean(axis=1)
+        return (self.t_ns - origin_ns)[rows].mean(axis=1) / NS, self.readings[rows].mean(axis=1)
 
 
 def checked_stamps(sensor: str, t_ns: Integers, widest_ns: Integers, found: Findings) -> Integers:
@@ -128,8 +133,8 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     found.marks += [Mark(sensor, "gap", int(t_ns[i]), int(t_ns[i + 1])) for i in before]
     if len(gaps):
         lost = np.sum(gaps / median - 1.0)
-        text = f"{counted(len(gaps), 'gap')} of up to {gaps.max() / 1e9:.3g} s in the {sensor}"
-        found.name("gaps", sensor, f"{text}: {lost:.0f} readings are missing")
+        text = f"{counted(len(gaps), 'gap')} of up to {gaps.max() / NS:.3g} s in the {sensor}"
+        found.name("gaps", sensor, f"{text}: {lost:.0f} readings are missing, or the clock was set")
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:
@@ -159,17 +164,16 @@ def resolution(values: Array) -> float | None:
     return None if np.abs(multiples - whole).max() > GRID_TOLERANCE else float(steps.sum() / whole.sum())
 
 
-def clipped_at(values: Array, step: float | None) -> float | None:
-    """The largest value, if it is reached and left in at least two stretches as a range is; else None."""
+def is_clipped(values: Array) -> bool:
+    """Whether the largest value is reached and left in at least two stretches, as a range is."""
     top = values.max()
     firsts, lasts = runs_of(0, values == top)
     is_long = lasts - firsts + 1 >= CLIPPED_READINGS
     if is_long.sum() < 2:
-        return None
+        return False
     beside = np.append(firsts[is_long] - 1, lasts[is_long] + 1)
-    drop = float(np.median(top - values[np.clip(beside, 0, len(values) - 1)]))
-    least = max(CLIPPED_DROP * float(np.ptp(values)), CLIPPED_READINGS * (step or 0.0), ROUND_OFF)
-    return float(top) if drop > least else None
+    drop = np.median(top - values[np.clip(beside, 0, len(values) - 1)])
+    return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * (resolution(values) or 0.0), ROUND_OFF))
 
 
 def _is_noisy(readings: Array) -> bool:
@@ -178,23 +182,28 @@ def _is_noisy(readings: Array) -> bool:
     return bool(np.sum(bends[1:] * bends[:-1]) < 0.0)
 
 
-def tell_values(stream: Stream, found: Findings) -> None:
-    """Tell resolution, clipping and stuck axes of a sensor."""
+def tell_broken_axes(stream: Stream, found: Findings) -> None:
+    """Name axes that do not move, and those that reach a range."""
     name = stream.sensor
     span = np.ptp(stream.readings, axis=0)
-    steps = [resolution(values) for values in stream.readings.T]
-    coarse = [step for step in steps if step]
-    if len(coarse) == 3 and max(coarse) < (1.0 + GRID_TOLERANCE) * min(coarse):
-        found.note("resolution", f"the {name} reads multiples of {coarse[0]:.4g}", coarse[0])
-        found.estimate(f"{name}_resolution", coarse[0])
-    for axis, values, step in zip(AXES, stream.readings.T, steps, strict=True):
-        reached = [top for side in (values, -values) if (top := clipped_at(side, step)) is not None]
-        text = f"{axis} of the {name} stays at {values[0]:.4g}"
-        if np.ptp(values) < STUCK_SHARE * span.max():
-            if _is_noisy(stream.readings):
-                found.name("stuck", name, text)
-            else:
-                found.ask("stuck", f"{text}, as without noise it may")
-        elif reached:
-            found.name("clipped", name, f"{axis} of the {name} reaches its range of {max(reached):.4g} and stays there")
-            found.estimate(f"{name}_range", max(reached))
+    is_stuck = span < STUCK_SHARE * span.max()
+    is_reached = [is_clipped(values) or is_clipped(-values) for values in stream.readings.T]
+    stuck, clipped = (", ".join(compress(AXES, which)) for which in (is_stuck, ~is_stuck & is_reached))
+    if stuck and _is_noisy(stream.readings):
+        found.name("stuck", name, f"{stuck} of the {name} does not move")
+    elif stuck:
+        found.ask("stuck", f"{stuck} of the {name} does not move, as without noise it may")
+    if clipped:
+        largest = np.abs(stream.readings).max()
+        found.name("clipped", name, f"{clipped} of the {name} reaches its range, {largest:.4g}, and stays there")
+
+
+def tell_range_and_resolution(stream: Stream, found: Findings) -> None:
+    """Tell the resolution of a sensor, if its axes have one, and its range, if it was reached."""
+    name = stream.sensor
+    steps = [resolution(values) or np.nan for values in stream.readings.T]
+    if np.max(steps) < (1.0 + GRID_TOLERANCE) * np.min(steps):
+        found.note("resolution", f"the {name} reads multiples of {steps[0]:.4g}", steps[0])
+        found.estimate(f"{name}_resolution", steps[0])
+    if found.has("clipped", name):
+        found.estimate(f"{name}_range", np.abs(stream.readings).max())

@@ -26,7 +26,6 @@ from lie_rigid_body.inspection.rule import (
     MAX_STEPS,
     MIN_LENGTHS,
     MIN_MISFIT,
-    RIGHT,
     TURNS,
     Gyro,
 )
@@ -50,8 +49,8 @@ OF_CONSTANTS: Final[Array] = np.array(
 """Change of the column of each turn with an offset and a rate bias, rad/s, shape (24, 39, 6)."""
 
 
-def attitudes(t_s: Array, rate: Array) -> Array:
-    """Attitudes from the first reading on, shape (N, 4), by the mean rate of neighbours, in a scan.
+def integrated(t_s: Array, rate: Array) -> World:
+    """World of a gyro, by the mean rate of neighbours.
 
     Parameters
     ----------
@@ -60,18 +59,8 @@ def attitudes(t_s: Array, rate: Array) -> Array:
     rate : ndarray, shape (N, 3)
         Body rate, rad/s.
     """
-    steps = np.diff(t_s)[:, np.newaxis]
-    attitude = np.vstack([[0.0, 0.0, 0.0, 1.0], quaternion.exp((rate[1:] + rate[:-1]) / 2.0 * steps)])
-    reach = 1  # of the scan, which doubles it
-    while reach < len(attitude):
-        attitude[reach:] = quaternion.multiply(attitude[:-reach], attitude[reach:])
-        reach *= 2
-    return attitude
-
-
-def integrated(t_s: Array, rate: Array) -> World:
-    """World of a gyro, by its readings as in `attitudes`."""
-    rotation = quaternion.to_matrix(attitudes(t_s, rate))
+    steps = (rate[1:] + rate[:-1]) / 2.0 * np.diff(t_s)[:, np.newaxis]
+    rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(np.vstack([np.zeros(3), steps]))))
     integral = cumulative_trapezoid(rotation, t_s, axis=0, initial=0)
     return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 
@@ -103,6 +92,7 @@ class Vector:
     ----------
     sensor : str
     t_s : ndarray, shape (N,)
+        Times, s, within those of the gyro.
     readings : ndarray, shape (N, 3)
     offset_cost : float
         Squared misfit that an offset of 1 costs.
@@ -116,7 +106,7 @@ class Vector:
     unit : ndarray, shape (N, 3)
         Readings over it.
     lengths_s : tuple of float
-        Lengths of windows, s, of which there are enough, with readings in each, in the time of the gyro.
+        Lengths of windows, s, of which there are enough, with readings in each.
     """
 
     def __init__(
@@ -128,11 +118,8 @@ class Vector:
         self.unit = readings / self.size
         self.offset_cost = offset_cost
         self.world = world
-        known_s = world(RIGHT).x
-        bounds = [*known_s[[0, -1]], *t_s[:1], *t_s[-1:]]
-        common = min(bounds[1::2]) - max(bounds[::2]) - 2.0 * MAX_DELAY_S
-        step = 2.0 * np.ptp(t_s) / max(len(t_s) - 1, 1)
-        self.lengths_s = tuple(length for length in LENGTHS_S if 0.0 < step <= length <= common / MIN_LENGTHS)
+        longest = (np.ptp(t_s) - 2.0 * MAX_DELAY_S) / MIN_LENGTHS if len(t_s) else 0.0
+        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * np.ptp(t_s) <= each * len(t_s))
 
     def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.

@@ -53,6 +53,25 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Array:
     return np.stack(product(_components(p), _components(q)), axis=-1)
 
 
+def running_product(q: ArrayLike) -> Array:
+    """Products q_0, q_0⊗q_1, q_0⊗q_1⊗q_2, … in SU(2), eq. (31), by a scan that doubles its reach.
+
+    Parameters
+    ----------
+    q : array_like, shape (N, 4)
+
+    Returns
+    -------
+    ndarray, shape (N, 4)
+    """
+    found = _quaternions(q).copy()
+    reach = 1
+    while reach < len(found):
+        found[reach:] = multiply(found[:-reach], found[reach:])
+        reach *= 2
+    return found
+
+
 def conjugate(q: ArrayLike) -> Array:
     """The conjugate, which for unit quaternions is the inverse in SU(2), eq. (31), and the inverse rotation.
 

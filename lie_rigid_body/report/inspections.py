@@ -10,18 +10,17 @@ import numpy as np
 
 from lie_rigid_body.estimates.programs import lines_of
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.wording import counted, program
+from lie_rigid_body.foundation.wording import SI, counted, numerals, program
 from lie_rigid_body.inspection import Estimated, Inspection
 from lie_rigid_body.inspection.findings import HOW, Mark
 from lie_rigid_body.inspection.inspection import READINGS
-from lie_rigid_body.inspection.noise import allan, density
-from lie_rigid_body.inspection.rule import SI
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
 from lie_rigid_body.report.recorded_motion import extremes
 from lie_rigid_body.runs import Run
 from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
+from lie_rigid_body.sensors.allan import allan, density
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,7 +61,7 @@ def parts_of_inspection(found: Inspection) -> Parts:
         Table(
             ("parameter", "value", "standard error"),
             [
-                (name, _numerals(each.value, 4), _numerals(each.standard_error, 2))
+                (name, numerals(np.atleast_1d(each.value), 4), numerals(np.atleast_1d(each.standard_error), 2))
                 for name, each in found.sensors.items()
             ],
             "Parameters of the sensors, repaired",
@@ -78,7 +77,8 @@ def as_text(found: Inspection) -> str:
 
 def _headline(found: Inspection) -> str:
     named = f"{counted(len(found.mistakes), 'mistake')} found" if found.mistakes else "No mistake found"
-    return f"{named}; {counted(len(found.undecided), 'code')} not decided by this log."
+    left = f"; {counted(len(found.undecided), 'code')} not decided by this log" if found.undecided else ""
+    return f"{named}{left}."
 
 
 def _sentence(text: str) -> str:
@@ -87,10 +87,6 @@ def _sentence(text: str) -> str:
 
 def _share(misfit: float | None) -> str:
     return "" if misfit is None else f"{misfit:.2g}"
-
-
-def _numerals(value: float | tuple[float, ...], digits: int) -> str:
-    return ", ".join(f"{each:.{digits}g}" for each in np.atleast_1d(value))
 
 
 def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
@@ -127,7 +123,7 @@ def _yaml(found: Estimated) -> str:
     if any(errors):
         values = [float(f"{value:.6g}") for value in values]
     text = str(values if isinstance(found.value, tuple) else values[0])
-    return f"{text}  # ± {', '.join(f'{error:.2g}' for error in errors)}" if any(errors) else text
+    return f"{text}  # ± {numerals(errors, 2)}" if any(errors) else text
 
 
 def csv_of(run: Run) -> bytes:
@@ -137,13 +133,13 @@ def csv_of(run: Run) -> bytes:
 
 def _curves(found: Inspection) -> Iterator[str]:
     """The readings over time, the rest, the stretch that was compared, and what is broken."""
-    given = [(sensor, *_readings(found, found.run, sensor)) for sensor in SI]
+    given = [(sensor, *_readings(found, found.run, sensor)) for sensor in READINGS]
     there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
     begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
     for sensor, key, t_ns, readings in there:
         codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
         unit = "?" if f"{sensor}_units" in codes else SI[sensor]
-        marks = [mark for mark in found.marks if mark.sensor in (sensor, key, "")]
+        marks = [mark for mark in found.marks if mark.sensor in (sensor, key, "log")]
         draw = partial(_draw_readings, t_ns=t_ns, readings=readings, marks=marks, begin_ns=begin_ns, unit=unit)
         yield html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
 
@@ -173,7 +169,7 @@ def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, 
 
 def _allan_deviations(found: Inspection) -> Iterator[str]:
     """The Allan deviation of each sensor at rest, with the fit of white noise and a random walk."""
-    told = [sensor for sensor in SI if f"{sensor}_noise_density" in found.sensors]
+    told = [sensor for sensor in READINGS if f"{sensor}_noise_density" in found.sensors]
     for sensor in told:
         yield html_page.plane(f"Allan deviation of the {sensor}", partial(_draw_allan, found=found, sensor=sensor))
 

@@ -9,6 +9,7 @@ In the order of a measurement:
 - `signal`: what an instrument measures, and the converter that makes readings of it;
 - `fault`: what goes wrong and when, also on the way of a sensor's readings;
 - `triad`: the errors and the faults of three axes;
+- `allan`: the densities of noise of readings at rest;
 - `imu`, `magnetometer`, `pointing`: the sensors.
 """
 

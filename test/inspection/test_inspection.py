@@ -164,6 +164,29 @@ def test_only_runs_and_files_are_inspected() -> None:
         inspect("nowhere.csv")
 
 
+def test_stamps_of_all_sensors_in_one_column_are_one_mistake(hand: Run) -> None:
+    t_ns = hand.imu.t_ns[: len(hand.imu.t_ns) // 2 * 2]
+    t_ns = np.where(t_ns < t_ns[500], t_ns, t_ns + 10**9)
+    run = Run.from_arrays(
+        t_ns, hand.imu.gyro[: len(t_ns)], hand.imu.specific_force[: len(t_ns)], np.ones((len(t_ns), 3))
+    )
+    assert [(each.code, each.sensor) for each in inspect(run).mistakes if each.code == "gaps"] == [("gaps", "log")]
+
+
+def test_axes_at_their_range_are_one_mistake_of_the_sensor(hand: Run) -> None:
+    limit = np.degrees(1.0)  # in degrees, in which the gyro reads
+    found = inspect(changed(hand, gyro=np.clip(np.degrees(hand.imu.gyro), -limit, limit)))
+    assert [each.message.partition(" of")[0] for each in found.mistakes if each.code == "clipped"] == ["x, y, z"]
+
+
+def test_the_field_is_told_in_the_unit_of_the_repaired_readings(hand: Run) -> None:
+    found = inspect(changed(hand, field=magnetometer_of(hand).field * 1e6))
+    assert codes(found) == ["magnetometer_units"]
+    (field,) = (note for note in found.notes if note.code == "field")
+    assert field.value == pytest.approx(48e-6, rel=0.02)
+    assert " T:" in field.message
+
+
 def test_readings_that_tell_nothing_are_no_error(hand: Run) -> None:
     mag = magnetometer_of(hand)
     nothing = np.zeros_like(hand.imu.gyro)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import allantools
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -10,13 +9,11 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body import Run, inspect, simulate
 from lie_rigid_body.inspection.explanations import axes_of, axes_repairs
 from lie_rigid_body.inspection.minimum import minimum
-from lie_rigid_body.inspection.noise import allan, density
 from lie_rigid_body.inspection.rule import RIGHT, TURNS
 from lie_rigid_body.inspection.world import Vector, gram, integrated
 
 T_S = np.arange(6000) / 100.0
 RATE = np.stack([np.sin(0.7 * T_S), 1.3 * np.cos(1.1 * T_S), 0.8 * np.sin(0.4 * T_S + 1.0)], axis=1)
-RNG = np.random.default_rng(5)
 
 
 def constant_in_the_world(vector: np.ndarray, delay_s: float = 0.0) -> np.ndarray:
@@ -75,26 +72,6 @@ def test_newton_finds_the_minimum_of_a_parabola() -> None:
     assert found.place == pytest.approx(0.3)
     assert found.sigma == pytest.approx(0.0, abs=1e-12)
     assert found.slope == pytest.approx(np.sqrt(3.0))
-
-
-def test_the_allan_variance_is_that_of_allantools() -> None:
-    readings = RNG.normal(size=(4000, 1)) + np.cumsum(RNG.normal(size=(4000, 1)), axis=0) * 0.01
-    found = allan(readings, 0.01)
-    tau, deviation, *_ = allantools.oadev(readings[:, 0], rate=100.0, data_type="freq", taus=found.tau_s)
-    assert np.allclose(tau, found.tau_s)
-    assert np.allclose(np.sqrt(found.variance), deviation, rtol=1e-9)
-
-
-def test_densities_are_those_put_in_within_their_standard_errors() -> None:
-    """At most a tenth of sixty logs is off by more than two standard errors; a twentieth would be normal."""
-    white, walk = 0.02, 0.004
-    off = []
-    for _ in range(60):
-        steps = RNG.normal(size=(6000, 3))
-        readings = white * 10.0 * RNG.normal(size=(6000, 3)) + np.cumsum(walk * 0.1 * steps, axis=0)
-        found = density(allan(readings, 0.01))
-        off.append(abs(found.white - white) > 2.0 * found.white_sigma)
-    assert np.mean(off) <= 0.1
 
 
 def test_what_nothing_compares_is_undecided() -> None:

@@ -110,3 +110,12 @@ def test_a_wrong_shape_is_refused(function, name, given):
 def test_importing_the_room_does_not_wait_for_scipy():
     said = "import sys, lie_rigid_body.lie; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", said], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_a_running_product_is_that_of_one_after_the_other(count):
+    q = quaternion.exp(np.random.default_rng(count).normal(size=(count, 3)))
+    expected = [q[0]]
+    for each in q[1:]:
+        expected.append(quaternion.multiply(expected[-1], each))
+    np.testing.assert_allclose(quaternion.running_product(q), expected, rtol=0, atol=1e-14)

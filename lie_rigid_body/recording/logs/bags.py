@@ -97,7 +97,7 @@ def _chosen(path: Path, contents: McapContents, kind: str, option: str, given: s
     if not wanted and kind != IMU:
         return None
     there = listed([*alike] or [f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
-    remedy = f"choose one by {option}" if alike else "record one"
+    remedy = f"choose one by --{option}, in Python {option}=" if alike else "record one"
     asked = "" if given is None else f", and none is {shown(given)}"
     raise BagError(f"{path} has {len(alike)} topics of {kind}: there is {there}{asked}: {remedy}")
 

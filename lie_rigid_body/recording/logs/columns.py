@@ -12,9 +12,9 @@ import numpy as np
 
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed, shown, suggestion
+from lie_rigid_body.foundation.wording import SI, listed, shown, suggestion
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors
-from lie_rigid_body.recording.logs.headings import GRAVITY, SI, TIME, UNITS, heading, sensor_of, unit_key
+from lie_rigid_body.recording.logs.headings import GRAVITY, TIME, UNITS, heading, sensor_of, unit_key
 from lie_rigid_body.recording.logs.sources import lines_of, sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
 from lie_rigid_body.recording.logs.times import MISSING, clock_of, share_that_rises

@@ -52,7 +52,6 @@ UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     },
 }
 """Units by quantity, as `unit_key` writes them, in rad/s, m/s², T and ns."""
-SI: Final = {GYRO: "rad/s", ACCELEROMETER: "m/s²", GRAVITY: "m/s²", MAGNETOMETER: "T"}
 _KEYS: Final = sorted({key for units in UNITS.values() for key in units}, key=len, reverse=True)
 _TAIL: Final = re.compile(
     r"[_ ](?:(?P<long>{})(?P<axis>[_ ]?[xyz012])?|(?P<short>[gst]))$".format(
