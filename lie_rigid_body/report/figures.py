@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, Final
@@ -275,55 +275,19 @@ def residuals_over_time(certificate: Certificate, residuals: ResidualsOverTime, 
 
 def draw_law(axes: Axes, law: LawResult, series: tuple[Array, Array, Array, Booleans], pieces: Pieces) -> None:
     """Draw the curve of a law with marks at what is broken and at the worst, and its limit."""
-    from lie_rigid_body.report.recording_picture import draw_curve, draw_resets
+    from lie_rigid_body.report.recording_picture import draw_resets
 
     t, residuals, limits, broken = series
     finite = np.concatenate([residuals, limits])
     top = min(_BEYOND * float(finite[np.isfinite(finite)].max(initial=0.0)) or 1.0, _HIGHEST)
     heights = np.minimum(residuals, top)
     axes.set_yscale("log", nonpositive="mask")
-    draw_curve(axes, t, heights, BLUE, "largest residual", 1.2)
+    axes.plot(t, heights, ".-", color=BLUE, lw=1.2, ms=3, label="largest residual")
     axes.plot(t[broken], heights[broken], ".", color=RED, label="broken" if broken.any() else None)
     if law.stamp_ns is not None and law.worst > 0.0:
         at_s = (law.stamp_ns - int(pieces[0].stamps_ns[0])) / 1e9
         axes.plot(at_s, min(law.worst, top), "o", color=BLUE, mfc="none", ms=9, label=f"worst: number {law.sample}")
     if np.isfinite(limits).any():
-        draw_curve(axes, t, limits, GREY, "limit", 1.2, ls="--")
+        axes.plot(t, limits, "--", color=GREY, lw=1.2, label="limit")
     axes.set(xlabel="time [s]", ylabel=f"residual [{law.unit}]" if len(law.unit) > 1 else "residual")
     draw_resets(axes, pieces)
-
-
-def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
-    """Draw how many of many bags have a worst residual up to each size, beside the limits.
-
-    Parameters
-    ----------
-    laws : mapping of str to sequence of pairs of float
-        Of each law, by its name with the unit, the worst residual and its limit in each bag.
-    whose : str
-        What there are many of, such as ``bags``.
-
-    Yields
-    ------
-    str
-        HTML. Laws that have no residual but 0, as those that hold or do not, are left out.
-    """
-    for name, pairs in laws.items():
-        residuals, limits = np.array(pairs, dtype=np.float64).T
-        finite = np.isfinite(residuals)
-        shown = finite & (residuals > 0.0)
-        if shown.any() and limits.max() > 0.0:
-            left_out = {"0": np.sum(residuals == 0.0), "not finite": np.sum(~finite)}
-            caption = ", ".join(f"{what} in {count} {whose}" for what, count in left_out.items() if count)
-            yield plane(name, partial(draw_distribution, pairs=np.array(pairs)[shown], whose=whose), caption)
-
-
-def draw_distribution(axes: Axes, pairs: Array, whose: str) -> None:
-    """Draw the number of residuals up to each size, those beyond their own limits in red, and the limits of all."""
-    residuals, limits = pairs[np.argsort(pairs[:, 0])].T
-    numbers = np.arange(1, len(residuals) + 1)
-    beyond = residuals > limits
-    axes.plot(residuals, numbers, ".-", color=BLUE, label="worst residuals")
-    axes.plot(residuals[beyond], numbers[beyond], ".", color=RED, label="beyond the limit" if beyond.any() else None)
-    axes.axvspan(float(limits.min()), float(limits.max()), color=GREY, alpha=0.3, label="limits")
-    axes.set(xscale="log", xlabel="worst residual, up to", ylabel=whose, ylim=(0.0, None))

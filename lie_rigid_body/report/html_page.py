@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
@@ -199,21 +199,20 @@ def paragraph(text: str) -> str:
     return f"<p>{escaped(text)}</p>"
 
 
-def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Table of plain text; each row comes with whether it passed."""
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]], marked: Collection[int]) -> str:
+    """Table of plain text, with marks on some rows, by their indices."""
     head = "".join(f"<th>{escaped(heading)}</th>" for heading in headings)
     body = "".join(
-        f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
-        for cells, passed in rows
+        f"<tr{' class=broken' if i in marked else ''}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
+        for i, cells in enumerate(rows)
     )
     return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
-    """List of HTML under a heading; if there is no item, a sentence or nothing."""
-    entries = "".join(f"<li>{item}</li>" for item in items)
-    content = f"<ul>{entries}</ul>" if entries else empty and f"<p>{empty}</p>"
-    return content and f"<h2>{heading}</h2>{content}"
+def listing(heading: str, lines: Iterable[str]) -> str:
+    """List of plain text under a heading; nothing without a line."""
+    entries = "".join(f"<li>{escaped(line)}</li>" for line in lines)
+    return f"<h2>{heading}</h2><ul>{entries}</ul>" if entries else ""
 
 
 def scenario(segment: Segment) -> tuple[str, str]:

@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
-from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.clock import SIGNIFICANT
-from lie_rigid_body.evaluation.consistency import Consistency
+from lie_rigid_body.evaluation.consistency import PROBABILITY, Consistency
 from lie_rigid_body.evaluation.score import BiasEstimate, Score
 from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Details, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, finish, label, png
-from lie_rigid_body.report.recorded_motion import curve_style, extremes
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, draw_curve, finish, label, png
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,8 +44,6 @@ _HEADINGS: Final = (
 WITHOUT_DYNAMICS: Final = "Cramér–Rao bound of filters that do not know the dynamics"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
-SCORE_COLUMNS: Final = 2000
-"""Number of intervals of time of a long curve, so that no peak is lost."""
 _MAX_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
@@ -121,7 +117,7 @@ def _findings(score: Score, heading: str = "Findings") -> Sentences:
     large = score.total_deg.median > MAX_SETTLED_DEG and not is_late and not score.remarks
     hint = ": no known mistake in the output explains errors this large; diagnose tests what the filter reads"
     found = [f"{finding.code}: {finding.message}" for finding in score.findings]
-    return Sentences(found, heading, f"No findings{hint * large}.")
+    return Sentences(found, heading) if found else Sentences([f"No findings{hint * large}."])
 
 
 def tables(score: Score) -> list[Table]:
@@ -295,21 +291,13 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
     return figure
 
 
-def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width: float = 1.1, style: str = "-") -> None:
-    """Plot some thousand points of a curve, the smallest and the largest of their neighbours, and none in a gap."""
-    steps = np.diff(t_s)
-    behind = np.flatnonzero(steps > GAP_PERIODS * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.int64)
-    kept = np.union1d(extremes(t_s, values, SCORE_COLUMNS), behind)
-    points = [np.insert(array[kept], np.searchsorted(kept, behind), np.nan) for array in (t_s, values)]
-    axes.plot(*points, color=colour, ls=style, label=label, **curve_style(len(values), width))
-
-
 def _draw_several(axes: Axes, scored: Scored) -> None:
     """Draw the total error of each estimate."""
     first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
     for number, (read, score) in enumerate(scored):
         name = label(f"{shortened(printable(read.track.topic), 30)}, {in_degrees(score.total_deg.rms)} rms")
-        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), name, f"C{number % 10}", 1.0)
+        t_s = (score.stamps_ns - first_ns) / 1e9
+        draw_curve(axes, t_s, np.degrees(score.error.total), f"C{number % 10}", name, 1.0)
     _scale(axes, [np.degrees(score.error.total) for _, score in scored])
 
 
@@ -319,10 +307,10 @@ def _draw_total(axes: Axes, score: Score) -> None:
     end = float(score.t_s[-1])
     axes.set_xlim(0.0, end or 1.0)
     drawn = [total]
-    _plot(axes, score.t_s, total, "total", BLACK)
+    draw_curve(axes, score.t_s, total, BLACK, "total")
     if score.best is not None and not score.best.unobserved:
         drawn.append(score.best.filtered_deg)
-        _plot(axes, score.t_s, score.best.filtered_deg, "Cramér–Rao bound", PINK)
+        draw_curve(axes, score.t_s, score.best.filtered_deg, PINK, "Cramér–Rao bound")
     rms = score.limits.max_rms_deg
     limits = [] if rms is None else [(0.0, rms, ":", f"limit {rms:g}° rms")]
     limits += [(start, limit, "-", f"limit {limit:g}° from {start:g} s") for start, limit in score.limits.max_after]
@@ -338,14 +326,14 @@ def _draw_parts(axes: Axes, score: Score) -> None:
     """Draw the heading and the inclination error."""
     heading = np.degrees(score.error.heading)
     inclination = np.degrees(score.error.inclination)
-    _plot(axes, score.t_s, heading, "heading", BLUE)
-    _plot(axes, score.t_s, inclination, "inclination", ORANGE)
+    draw_curve(axes, score.t_s, heading, BLUE, "heading")
+    draw_curve(axes, score.t_s, inclination, ORANGE, "inclination")
     _scale(axes, [np.maximum(heading, inclination)])
 
 
 def _draw_nees(axes: Axes, t_s: Array, found: Consistency) -> None:
-    _plot(axes, t_s, found.nees, "NEES", BLACK, 0.9)
-    axes.axhspan(*found.bounds, color=GREEN, alpha=0.2, lw=0.0, label=f"{found.probability:.0%} bounds")
+    draw_curve(axes, t_s, found.nees, BLACK, "NEES", 0.9)
+    axes.axhspan(*found.bounds, color=GREEN, alpha=0.2, lw=0.0, label=f"{PROBABILITY:.0%} bounds")
     axes.set_yscale("log")
 
 
@@ -353,8 +341,8 @@ def _draw_bias(axes: Axes, first_ns: int, bias: BiasEstimate) -> None:
     """Draw the estimated biases of the gyro, each beside the true one."""
     t_s = (bias.stamps_ns - first_ns) / 1e9
     for name, colour, estimate, truth in zip("xyz", COLOURS, bias.estimate.T, bias.truth.T, strict=True):
-        _plot(axes, t_s, estimate, f"estimated {name}", colour)
-        _plot(axes, t_s, truth, f"true {name}", colour, style="--")
+        draw_curve(axes, t_s, estimate, colour, f"estimated {name}")
+        draw_curve(axes, t_s, truth, colour, f"true {name}", ls="--")
 
 
 def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) -> tuple[float, float]:
