@@ -43,10 +43,9 @@ figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
 .plot { height: 38rem; }
 .controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
-.narrow { display: none; }
 pre { background: var(--soft); padding: 0.8rem; overflow-x: auto; }
 @media (max-width: 640px) {
-  .wide:not(.grid) { display: none; } .narrow { display: block; } .plot { height: 26rem; }
+  .plot { height: 26rem; }
   th, td { padding: 0.3rem 0.4rem; }
 }
 @media screen and (prefers-color-scheme: dark) {
@@ -173,10 +172,9 @@ def film(content: Mapping[str, Any], times: Sequence[str]) -> str:
     )
 
 
-def picture(draw: Callable[[float], Figure]) -> str:
-    """Picture by Matplotlib as SVG, which is drawn for two widths, in inches: those of a desk and of a phone."""
-    wide, narrow = (svg(partial(draw, width)) for width in (10.0, 4.6))
-    return f'<figure class="wide">{wide}</figure><figure class="narrow">{narrow}</figure>'
+def picture(draw: Callable[[], Figure]) -> str:
+    """Picture by Matplotlib as SVG, as wide as the page."""
+    return f"<figure>{svg(draw)}</figure>"
 
 
 def grid(figures: Iterable[str], *, wide: bool = False) -> str:

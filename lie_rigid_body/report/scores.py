@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 Scored: TypeAlias = Sequence[tuple[RecordedEstimate, Score]]
 """Estimates with their scores."""
-Panel: TypeAlias = "tuple[Callable[[Axes], None], str, int]"
-"""Panel of a figure: what draws it, the label of its axis, and the number of columns of its legend."""
+Panel: TypeAlias = "tuple[Callable[[Axes], None], str]"
+"""Panel of a figure: what draws it, and the label of its axis."""
 
 _HEADINGS: Final = (
     "estimate",
@@ -48,8 +48,6 @@ _MAX_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic, and of a limit that is far beyond."""
-_NARROW: Final = 5.0
-"""Width, inches, up to which a figure is for the screen of a phone."""
 
 
 def as_text(score: Score) -> str:
@@ -64,7 +62,7 @@ def parts(read: RecordedEstimate | None, score: Score) -> Parts:
         Sentences(score.remarks),
         _verdict(score),
         Sentences([summary(score)]),
-        Picture(lambda: html_page.picture(lambda width: draw("", score, width))),
+        Picture(lambda: html_page.picture(partial(draw, "", score))),
         *tables(score),
         _findings(score),
         Sentences([*(note.message for note in score.notes), *(read.notes if read else ())], "Notes"),
@@ -83,7 +81,7 @@ def parts_of_several(scored: Scored) -> Parts:
             [_cells(*each) for each in scored],
             marked={number for number, (_, score) in enumerate(scored) if not score.passed},
         ),
-        Picture(lambda: html_page.picture(lambda width: curves("", scored, width))),
+        Picture(lambda: html_page.picture(partial(curves, "", scored))),
         Sentences([f"{_SOURCE}; RMS and 95 % of the total error, degrees."]),
         *(_findings(score, f"Findings of {read.track.topic}") for read, score in scored if score.findings),
     ]
@@ -238,7 +236,7 @@ def summary(score: Score) -> str:
     return f"The attitude error is {total} rms: heading {heading}, inclination {inclination}{least}."
 
 
-def draw(title: str, score: Score, width: float = 10.0) -> Figure:
+def draw(title: str, score: Score) -> Figure:
     """Figure of a score: the errors over time, with the limits, the NEES with its bounds, and the gyro's bias.
 
     Parameters
@@ -246,43 +244,37 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
     title : str
         It may hold anything; without one nothing is above the panels.
     score : Score
-    width : float, optional
-        Width, inches; a narrow one is for the screen of a phone.
     """
-    columns = 5 if width > _NARROW else 2
     nees = score.consistency
     bias = score.gyro_bias
     panels: list[Panel] = [
-        (partial(_draw_total, score=score), "error [deg]", columns),
-        (partial(_draw_parts, score=score), "error [deg]", columns),
-        *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES", columns)] if nees else []),
-        *([(partial(_draw_bias, first_ns=score.stamps_ns[0], bias=bias), "gyro bias [rad/s]", 3)] if bias else []),
+        (partial(_draw_total, score=score), "error [deg]"),
+        (partial(_draw_parts, score=score), "error [deg]"),
+        *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES")] if nees else []),
+        *([(partial(_draw_bias, first_ns=score.stamps_ns[0], bias=bias), "gyro bias [rad/s]")] if bias else []),
     ]
-    height = 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels)
+    height = 1.0 * bool(title) + 1.2 + 2.0 * len(panels)
     rms = f"attitude error {in_degrees(score.total_deg.rms)} rms, {counted(score.samples, 'sample')}"
-    return _figure([title, rms], (width, height), panels)
+    return _figure([title, rms], height, panels)
 
 
-def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
+def curves(title: str, scored: Scored) -> Figure:
     """Figure of the total errors of several estimates, under their topics; see `draw`."""
-    columns = 2 if width > _NARROW else 1
-    size = (width, 3.4 + 0.25 * len(scored) / columns)
-    return _figure([title], size, [(partial(_draw_several, scored=scored), "total error [deg]", columns)])
+    panel = (partial(_draw_several, scored=scored), "total error [deg]")
+    return _figure([title], 3.4 + 0.06 * len(scored), [panel])
 
 
-def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel]) -> Figure:
+def _figure(titles: Sequence[str], height: float, panels: Sequence[Panel]) -> Figure:
     """Panels one above the other, and titles above them."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, dpi=120, layout="constrained")
+    figure = Figure(figsize=(10.0, height), dpi=120, layout="constrained")
     figure._repr_png_ = partial(png, lambda: figure)  # type: ignore[attr-defined]  # by which a notebook shows it
-    for (draw_panel, name, columns), axes in zip(
-        panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
-    ):
+    for (draw_panel, name), axes in zip(panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True):
         draw_panel(axes)
         axes.margins(x=0.0)
         axes.set_ylabel(name)
-        finish(axes, columns)
+        finish(axes, 4)
     axes.set_xlabel("time since the first estimate [s]")
     if titles[0]:
         # the names of a file and a topic may hold anything, and ``$`` is no formula
