@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -246,20 +246,10 @@ class Campaign:
         found = {**dict(scenario.sensor_parameters), **scenario.parameters()}
         return {name: found[name] for name in self.vary}
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """The call that makes it anew from JSON, as workers do: the functions that draw cannot be pickled."""
-        return _remade, (json.dumps([getattr(self, key) for key in _KEYS]),)
-
     def to_json(self) -> str:
         """One line that says all of the campaign: campaigns with equal lines have equal runs."""
         content = {key: getattr(self, key) for key in _KEYS if getattr(self, key) or key in _KEYS[:6]}
         return json.dumps(content, sort_keys=True, ensure_ascii=False)
-
-
-@lru_cache(maxsize=1)
-def _remade(text: str) -> Campaign:
-    """The campaign of a JSON text, kept for the next run of a worker, which brings the same text along."""
-    return Campaign(*json.loads(text))
 
 
 @short_dataclass

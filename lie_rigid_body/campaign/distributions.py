@@ -130,7 +130,11 @@ def _scalar(what: str, value: object) -> Draw:
             raise InputError(f"{what}: {len(value)} numbers are no range: give [low, high]")
         return distribution(what, {"distribution": "uniform", "low": value[0], "high": value[1]})
     number = _number(what, value)
-    return lambda u: number
+    return partial(_constant, number)
+
+
+def _constant(number: float, u: Uniforms) -> float:
+    return number
 
 
 def _size(what: str, value: object, *, or_zero: bool = False) -> Draw:

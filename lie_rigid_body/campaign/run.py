@@ -49,10 +49,6 @@ CURVE: Final = 50
 """Number of times, evenly over the run, at which the total error is kept."""
 SERIES: Final = 20
 """Number of times, evenly over the run, at which errors are kept with their covariances."""
-_UPPER: Final = np.triu_indices(3)
-"""Indices of the upper triangle of a 3 × 3 covariance, which is kept."""
-_OF_ERROR: Final = 3 + 6
-"""Number of columns of an error and its covariance; an attitude has four more, of the attitude itself."""
 MAX_ESTIMATOR_S: Final = 60.0
 """Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
@@ -274,7 +270,7 @@ def _attitude_series(found: Estimate, truth: Truth, places: Integers) -> list[li
         return []
     attitudes = unit("estimate", found.attitude_xyzw[places])
     errors = error_vectors(attitudes, truth.at(found.t_ns[places]), found.covariance_axes)
-    return _rows(errors, found.rotation_covariance(), len(found), places, attitudes)
+    return _rows(errors, found.rotation_covariance()[places], attitudes)
 
 
 def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float]]:
@@ -285,20 +281,16 @@ def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float
     if not P.any():  # the score tells it
         return []
     factor_of(P, "gyro_bias_covariance")
-    return _rows(errors, P, len(found), places)
+    return _rows(errors, P[places])
 
 
-def _rows(errors: Array, P: Array, count: int, places: Integers, *more: Array) -> list[list[float]]:
-    """Errors, covariances of ``count`` estimates, or one of all, at some places, and more beside them."""
-    upper = np.broadcast_to(P, (count, 3, 3))[places][:, _UPPER[0], _UPPER[1]]
-    rows: list[list[float]] = np.column_stack([errors, upper, *more]).tolist()
+def _rows(errors: Array, P: Array, *more: Array) -> list[list[float]]:
+    """Errors, their covariances, and more beside them."""
+    rows: list[list[float]] = np.column_stack([errors, P.reshape(-1, 9), *more]).tolist()
     return rows
 
 
 def errors_of(series: list[list[list[float]]]) -> tuple[Array, Array, Array]:
     """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R runs."""
-    values = np.array(series, dtype=float)
-    P = np.empty((*values.shape[:2], 3, 3))
-    P[..., _UPPER[0], _UPPER[1]] = values[..., 3:_OF_ERROR]
-    P[..., _UPPER[1], _UPPER[0]] = values[..., 3:_OF_ERROR]
-    return values[..., :3], P, values[..., _OF_ERROR:]
+    errors, P, more = np.split(np.array(series, dtype=float), [3, 12], axis=-1)
+    return errors, P.reshape(*P.shape[:2], 3, 3), more

@@ -112,12 +112,6 @@ class Certificate(Shown):
         return tuple(worst.values())
 
     @property
-    def residuals(self) -> dict[str, tuple[float, float]]:
-        """The worst residual of each law that is judged, and its limit, by the law's name with the unit."""
-        judged = [law for law in self.laws if law.is_judged]
-        return {f"{law.name} [{law.unit}]" if law.unit else law.name: (law.worst, law.limit) for law in judged}
-
-    @property
     def messages(self) -> tuple[str, ...]:
         """One sentence for each broken law."""
         prefix = "segment {}: " if len(self.segments) > 1 else ""

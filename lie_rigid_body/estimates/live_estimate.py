@@ -25,7 +25,7 @@ from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS, exact_duration
-from lie_rigid_body.foundation.wording import listed
+from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.recording.segments import MAX_SEGMENTS
@@ -55,10 +55,9 @@ class TruthBuffer:
         By their starts, ns.
     reached_ns : int
         The latest stamp of a pose, or of an estimate that was compared, ns.
-    contradictions : int
-        Number of scenarios that were left out, as samples had followed another one that begins at the same stamp.
-    beyond : int
-        Number of scenarios that were left out, as there were `MAX_SEGMENTS` before.
+    left_out : int
+        Number of scenarios that were left out, as samples had followed another one that begins at the same stamp, or as
+        there were `MAX_SEGMENTS` before.
     gyro_bias : BiasBuffer
         Of the gyro's readings.
     """
@@ -69,8 +68,7 @@ class TruthBuffer:
         self.recent = deque[AttitudeTrack](maxlen=RECENT)
         self.segments: dict[int, Segment] = {}
         self.reached_ns = 0
-        self.contradictions = 0
-        self.beyond = 0
+        self.left_out = 0
 
     def hear_scenarios(self, payloads: list[bytes]) -> None:
         """Take latched scenarios; a reset sends another, which may begin at once after one without a sample.
@@ -82,12 +80,11 @@ class TruthBuffer:
         """
         for segment in [Segment.from_json(decode_string(payload)) for payload in payloads]:
             known = self.segments.get(segment.start_ns)
-            if known is None and len(self.segments) == MAX_SEGMENTS:
-                self.beyond += 1
-            elif known in (None, segment) or self.reached_ns < segment.start_ns + NS:
+            is_new = known is None and len(self.segments) < MAX_SEGMENTS
+            if is_new or known == segment or (known and self.reached_ns < segment.start_ns + NS):
                 self.segments[segment.start_ns] = segment
             else:
-                self.contradictions += 1
+                self.left_out += 1
 
     def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
         """Take messages of poses.
@@ -100,6 +97,14 @@ class TruthBuffer:
         self.poses.add(attitudes_of(topic, message_type, payloads))
         self.recent += (track[usable(track)] for track in self.poses.take())
         self.reached_ns = max(self.reached_ns, self.poses.last_ns or 0)
+
+    @property
+    def fault(self) -> str:
+        """Sentence, without a full stop, about scenarios that are left out; empty where none is."""
+        why = (
+            f"as they contradict one that came before, or come after {MAX_SEGMENTS} others: let one node tell the truth"
+        )
+        return f"{counted(self.left_out, 'scenario')} left out, {why}" if self.left_out else ""
 
     @property
     def is_known(self) -> bool:
@@ -280,7 +285,7 @@ class LiveEstimate:
             motion.require_same_clock(int(track.stamps_ns[0]))
         truth = self._asked_of(track.stamps_ns, truth, due_ns)
         bias = self.gyro_bias.beside(self.truth.gyro_bias, *track.stamps_ns[[0, -1]].tolist())
-        told = [*motion.notes_on(track), *(f"{note}." for note in (*notes, *self._left_out_scenarios().values()))]
+        told = [*motion.notes_on(track), *(f"{note}." for note in (*notes, self.truth.fault) if note)]
         if self.gyro_bias.topic:
             told += self.gyro_bias.notes
         if bias is None and self.gyro_bias.topic:
@@ -332,18 +337,7 @@ class LiveEstimate:
         return {
             **{reason: left_out_sentence(reason, "some estimates") for reason in self.estimate.faults},
             **{f"pose {r}": left_out_sentence(r, "some poses of the truth") for r in self.truth.poses.faults},
-            **self._left_out_scenarios(),
-        }
-
-    def _left_out_scenarios(self) -> dict[str, str]:
-        reasons = {
-            "contradiction": (self.truth.contradictions, "begin when another one does that came before"),
-            "beyond": (self.truth.beyond, f"came after {MAX_SEGMENTS} others"),
-        }
-        return {
-            reason: f"{count} scenarios {what}, and are left out: let one node tell the truth"
-            for reason, (count, what) in reasons.items()
-            if count
+            **({"scenarios": fault} if (fault := self.truth.fault) else {}),
         }
 
     def _true(self, stamps_ns: Integers, poses: Iterable[AttitudeTrack]) -> tuple[TrueMotion, Truth]:

@@ -11,6 +11,7 @@ import subprocess
 import tempfile
 import time
 from abc import ABC, abstractmethod
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -37,6 +38,8 @@ from lie_rigid_body.system.output_file import reason
 
 HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,mag_z"
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
+_COLUMNS: Final = (("imu", "gyro"), ("imu", "specific_force"), ("magnetometer", "field"))
+"""Sensors, and the arrays of their readings, in the columns of the header."""
 ANSWER: Final = "t_ns,x,y,z,w"
 """Columns that the program prints, with this line above them or without."""
 MAX_TIMEOUT_S: Final = 1e6
@@ -217,21 +220,14 @@ def lines_of(run: Run) -> Iterator[str]:
     A sensor that the run has not leaves its columns empty.
     """
     yield HEADER
-    imu = run.sensors.get("imu")
-    magnetometer = run.magnetometer
-    of_imu = {}
-    if imu is not None and imu.arrays["specific_force"] is None:
-        of_imu = {stamp: f"{text},,," for stamp, text in _texts(imu.t_ns, imu.gyro).items()}
-    elif imu is not None:
-        of_imu = _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
-    of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
-    for stamp in sorted({*of_imu, *of_field}):
-        yield f"{stamp},{of_imu.get(stamp, ',,,,,')},{of_field.get(stamp, ',,')}"
-
-
-def _texts(t_ns: Integers, rows: Array) -> dict[int, str]:
-    """Rows by their stamps, with all digits."""
-    return {stamp: ",".join(map(repr, row)) for stamp, row in zip(t_ns.tolist(), rows.tolist(), strict=True)}
+    texts = defaultdict[int, list[str]](lambda: [",,"] * len(_COLUMNS))
+    for number, (sensor, array) in enumerate(_COLUMNS):
+        readings = run.sensors.get(sensor)
+        if readings and (rows := readings.arrays[array]) is not None:
+            for stamp, row in zip(readings.t_ns.tolist(), rows.tolist(), strict=True):
+                texts[stamp][number] = ",".join(map(repr, row))
+    for stamp in sorted(texts):
+        yield ",".join([str(stamp), *texts[stamp]])
 
 
 def _attitudes(name: str, output: str) -> tuple[Integers, Array]:

@@ -17,7 +17,7 @@ import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.evaluation.arguments import numbers, real_numbers
-from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
+from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.foundation.arrays import Array, Booleans
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -25,6 +25,8 @@ from lie_rigid_body.foundation.wording import shown
 
 OTHER_AXES: Final = {"world": "body", "body": "world"}
 """Names of the axes that a covariance may be about, each with the name of the others."""
+PROBABILITY: Final = 0.95
+"""Probability that a single NEES of a right covariance lies within its bounds, two-sided."""
 FAR: Final = 10.0
 """Ratio of mean and expected NEES, or its inverse, from which on a run alone has a remark.
 
@@ -54,10 +56,9 @@ class Consistency:
         Degrees of freedom d of one sample; the expected NEES.
     mean : float
     bounds : tuple of float
-        Between which a single NEES lies with that probability.
+        Between which a single NEES lies with the probability `PROBABILITY`.
     share_inside : float
         Share of samples between `bounds`.
-    probability : float
     remark : str
         Where the mean is wrong by a factor of `FAR` or more: a sentence with the factor. Where the covariance fits
         about the other axes, of world and body, it names them. Else empty.
@@ -68,13 +69,12 @@ class Consistency:
     mean: float
     bounds: tuple[float, float]
     share_inside: float
-    probability: float
     remark: str = ""
 
     @property
     def sentence(self) -> str:
         """Mean, expected mean and share inside, without a full stop."""
-        inside = f"{100.0 * self.share_inside:.3g} % of the samples within their {100.0 * self.probability:g} % bounds"
+        inside = f"{100.0 * self.share_inside:.3g} % of the samples within their {100.0 * PROBABILITY:g} % bounds"
         return f"{self.mean:.4g} on average, expected {self.dimension}; {inside}"
 
     def to_json(self) -> dict[str, float | str]:
@@ -87,36 +87,17 @@ class Consistency:
         }
 
 
-def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) -> Consistency:
-    """Compute the NEES of errors whose covariances an estimator gave.
-
-    Parameters
-    ----------
-    errors : array_like, shape (N, d)
-    covariance : array_like, shape (N, d, d) or (d, d)
-        In the squared unit of the errors, on the same axes.
-    probability : float
-        Of the bounds, two-sided; between 0 and 1.
-
-    Returns
-    -------
-    Consistency
+def nees(errors: Array, covariance: Array) -> Consistency:
+    """NEES of errors, shape (N, d), and covariances on the same axes, shape (N, d, d), or (d, d) of all.
 
     Raises
     ------
     InputError
-        If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
-        large beside it that the NEES overflows. Also if the probability is not between 0 and 1.
+        If a covariance is not symmetric and positive definite, or the NEES overflows.
     """
-    require_probability(probability)
-    return _nees(*errors_and_covariances(errors, covariance, "N", "d"), probability)
-
-
-def _nees(errors: Array, covariance: Array, probability: float) -> Consistency:
-    """NEES of errors and covariances that were read."""
     values, _ = nees_and_logarithm(errors, covariance)
     d = errors.shape[1]
-    tail = 0.5 * (1.0 - probability)
+    tail = 0.5 * (1.0 - PROBABILITY)
     low = float(scipy.stats.chi2.ppf(tail, d))
     high = float(scipy.stats.chi2.isf(tail, d))
     inside = float(np.mean((values >= low) & (values <= high)))
@@ -124,79 +105,38 @@ def _nees(errors: Array, covariance: Array, probability: float) -> Consistency:
     remark = ""
     if not 1.0 / FAR < mean / d < FAR:
         remark = f"the squared errors are {mean / d:.3g} times what the covariance says"
-    return Consistency(values, d, mean, (low, high), inside, probability, remark)
+    return Consistency(values, d, mean, (low, high), inside, remark)
 
 
-def attitude_nees(
-    estimate_xyzw: ArrayLike,
-    truth_xyzw: ArrayLike,
-    covariance: ArrayLike,
-    axes: str = "world",
-    probability: float = 0.95,
-) -> Consistency:
-    """Compute the NEES of attitude estimates.
+def attitude_nees(estimate_xyzw: Array, truth_xyzw: Array, covariance: Array, axes: str = "world") -> Consistency:
+    """NEES of attitude estimates, with a remark where their covariances fit the other axes.
 
     Parameters
     ----------
-    estimate_xyzw, truth_xyzw : array_like, shape (N, 4)
-        World-from-body, scalar last.
-    covariance : array_like, shape (..., 3, 3) or (..., 6, 6)
-        Of small rotations about x, y, z, rad². Of a pose, 6 × 6, the block of the rotation, the last three, is taken.
+    estimate_xyzw, truth_xyzw : ndarray, shape (N, 4)
+        World-from-body, scalar last, of unit norm.
+    covariance : ndarray, shape (N, 3, 3) or (3, 3)
+        Of small rotations about x, y, z, rad².
     axes : str
         ``"world"``: about the axes of the header's frame, as geometry_msgs/PoseWithCovariance says; ``"body"``: about
         the axes of the body, as most error-state filters have it.
-    probability : float
-        Of the bounds.
-
-    Returns
-    -------
-    Consistency
 
     Raises
     ------
     InputError
-        As `nees`; if a covariance is not given (first number −1) or unknown (all 0), as sensor_msgs/Imu says; or if
-        `axes` is neither of the two.
+        See `nees`.
     """
-    require_axes(axes)
-    estimate, truth = pairs(estimate_xyzw, truth_xyzw)
-    require_probability(probability)
-    _, P = errors_and_covariances(error_vectors(estimate, truth, axes), rotation_block(covariance), "N", "d")
-    return consistency_of(estimate, truth, P, axes, probability)
-
-
-def consistency_of(
-    estimate_xyzw: Array, truth_xyzw: Array, covariance: Array, axes: str, probability: float = 0.95
-) -> Consistency:
-    """NEES of attitudes and covariances that were read, with a remark where they fit the other axes.
-
-    Raises
-    ------
-    InputError
-        If a covariance is not symmetric and positive definite, or the NEES overflows.
-    """
-    found = _nees(error_vectors(estimate_xyzw, truth_xyzw, axes), covariance, probability)
+    found = nees(error_vectors(estimate_xyzw, truth_xyzw, axes), covariance)
     if not found.remark or not found.mean:
         return found
     other = OTHER_AXES[axes]
-    mean = _nees(error_vectors(estimate_xyzw, truth_xyzw, other), covariance, probability).mean
+    mean = nees(error_vectors(estimate_xyzw, truth_xyzw, other), covariance).mean
     if abs(np.log(mean / found.dimension)) > BETTER * abs(np.log(found.mean / found.dimension)):
         return found
     remedy = (
         f"about the {other}'s axes the mean NEES would be {mean:.4g}: if it is about them, give covariance_axes {other}"
     )
     return replace(found, remark=f"{found.remark}; {remedy}")
-
-
-def require_probability(probability: float) -> None:
-    """Refuse what is no probability between 0 and 1.
-
-    Raises
-    ------
-    InputError
-    """
-    if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
-        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
 
 
 def require_axes(axes: str) -> None:

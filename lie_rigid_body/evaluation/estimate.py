@@ -31,7 +31,7 @@ class Estimate:
         Covariance of small rotations, or of poses, rad². A single one is that of every sample.
     covariance_axes : str, optional
         ``"world"`` or ``"body"``: the axes that the rotations are about.
-    gyro_bias : array_like, shape (N, 3), optional
+    gyro_bias : array_like, shape (N, 3) or (3,), optional
         Biases of the gyro, rad/s.
     gyro_bias_covariance : array_like, shape (N, 3, 3) or (3, 3), optional
         Their covariance, rad²/s².
@@ -61,20 +61,16 @@ class Estimate:
                     f"estimate: attitudes of shape {attitude.shape} for {len(read['t_ns'])} stamps: give a row for "
                     "each reading of the IMU, or stamps and attitudes"
                 )
-        for name, sizes in (("covariance", ((3, 3), (6, 6))), ("gyro_bias_covariance", ((3, 3),)), ("gyro_bias", ())):
+        for name, *sizes in (("covariance", (3, 3), (6, 6)), ("gyro_bias_covariance", (3, 3)), ("gyro_bias", (3,))):
             if getattr(self, name) is not None:
-                read[name] = self._read(name, len(attitude), *sizes)
+                wanted = f"({len(attitude)}, {', '.join(map(str, sizes[0]))})"
+                array = real_numbers(name, getattr(self, name), wanted)
+                size = array.shape[-len(sizes[0]) :]
+                if size not in sizes or array.shape not in (size, (len(attitude), *size)):
+                    raise InputError(f"{name}: shape {array.shape} is not {wanted}: give a row for each stamp")
+                read[name] = np.broadcast_to(array, (len(attitude), *size))
         require_axes(self.covariance_axes)
         vars(self).update(read)
-
-    def _read(self, name: str, rows: int, *single: tuple[int, ...]) -> Array:
-        """Read an array with a row for each attitude, or a `single` row for all."""
-        sizes = single or ((3,),)
-        wanted = f"({rows}, {', '.join(map(str, sizes[0]))})"
-        array = real_numbers(name, getattr(self, name), wanted)
-        if array.shape not in (*single, *((rows, *size) for size in sizes)):
-            raise InputError(f"{name}: shape {array.shape} is not {wanted}: give a row for each stamp")
-        return array
 
     @classmethod
     def of(cls, result: object, **beside: object) -> Estimate:
@@ -108,15 +104,13 @@ class Estimate:
         InputError
             If a number is not finite, or it is not known.
         """
-        return np.broadcast_to(rotation_block(self.covariance), (len(self), 3, 3))
+        return rotation_block(self.covariance)
 
     def __len__(self) -> int:
         return len(self.attitude_xyzw)
 
     def __getitem__(self, rows: slice) -> Estimate:
-        of_rows = {"t_ns": 1, "attitude_xyzw": 2, "covariance": 3, "gyro_bias": 2, "gyro_bias_covariance": 3}
-        axes = {name: np.ndim(getattr(self, name)) for name in of_rows}  # fewer of a covariance of all
-        return replace(self, **{name: getattr(self, name)[rows] for name in of_rows if axes[name] == of_rows[name]})
+        return replace(self, **{name: each[rows] for name, each in vars(self).items() if isinstance(each, np.ndarray)})
 
     def __repr__(self) -> str:
         return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.evaluation.attitudes import (
     GAP_PERIODS,
@@ -31,6 +32,8 @@ from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 
+NEIGHBOURS: Final = 1001
+"""Number of steps whose median is the period of the one in their middle."""
 GAP_OF_EVEN: Final = 1.5
 """Least distance of two stamps that is a gap, in median periods, where stamps are even: one missing sample stands
 out."""
@@ -77,10 +80,10 @@ class Remark(NamedTuple):
     message: str
 
 
-def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth) -> Iterator[Remark]:
+def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[Remark]:
     """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given.
 
-    Gaps are looked for in each smooth motion of the truth.
+    Gaps are steps beside the median of their neighbours, as the rate may change.
     """
     begin = int(stamps[0])
     doubles = stamps[~first]
@@ -92,7 +95,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
             f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
         )
     steps = np.diff(kept)
-    period = truth.periods_ns(kept)
+    period = scipy.ndimage.median_filter(steps, NEIGHBOURS)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:

@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation.arguments import quantity, unit
 from lie_rigid_body.evaluation.attitudes import Truth, period_ns
 from lie_rigid_body.evaluation.causes import MIN_COVERED, Part, Parts, fit, inflations, late, undone
 from lie_rigid_body.evaluation.clock import SIGNIFICANT, Lag, lag_of, other_clock, standard_error
-from lie_rigid_body.evaluation.consistency import consistency_of
+from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.evidence import LEAD, MAX_INFLATION, TIE, Choice, Evidence
@@ -235,14 +235,14 @@ def score_estimate(
     if options.diagnosed:
         found = diagnose(track, whole, options.longest_lag_s, sensors.left_rad)
     remarked = (
-        *remarks.of_series(stamps, first, estimate.attitude_xyzw, truth),
+        *remarks.of_series(stamps, first, estimate.attitude_xyzw),
         *remarks.of_span(whole.stamps_ns, known, truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )
     consistency = None
     if estimate.covariance is not None:
         covariance = estimate.rotation_covariance()[first][known]
-        consistency = consistency_of(track.attitude_xyzw, track.truth_xyzw, covariance, estimate.covariance_axes)
+        consistency = attitude_nees(track.attitude_xyzw, track.truth_xyzw, covariance, estimate.covariance_axes)
     return Score(
         stamps_ns=track.stamps_ns,
         error=error,

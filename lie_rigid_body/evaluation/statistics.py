@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.evaluation.arguments import numbers, quantity, real_numbers
+from lie_rigid_body.evaluation.arguments import numbers, quantity
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
@@ -103,12 +103,12 @@ def settling_limit(settled_deg: float) -> float:
     return min(max(1.5 * settled_deg, MIN_LIMIT), MAX_SETTLED_DEG)
 
 
-def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float | None:
-    """Time from the first sample to the first one from which on the error never exceeds a limit.
+def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
+    """Time, s, from the first sample to the first one from which on the error never exceeds a limit.
 
     Parameters
     ----------
-    t_s, errors : array_like, shape (N,)
+    t_s, errors : ndarray, shape (N,)
         Times in s, increasing, and errors. One that is NaN counts as above the limit.
     limit : float
         In the unit of the errors.
@@ -116,22 +116,11 @@ def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float |
     Returns
     -------
     float or None
-        Seconds; None if the last error is above the limit, or there is none.
-
-    Raises
-    ------
-    InputError
-        If there is not an error for each time, times decrease, or the limit is no finite number from 0 on.
+        None if the last error is above the limit, or there is none.
     """
-    times = real_numbers("t_s", t_s, "(N,)")
-    sizes = real_numbers("errors", errors, "(N,)")
-    if times.ndim != 1 or times.shape != sizes.shape or not (np.diff(times) >= 0.0).all():
-        raise InputError(
-            f"errors: shape {sizes.shape} for times of shape {times.shape}: give rising times, an error for each"
-        )
-    above = np.flatnonzero(~(sizes <= quantity("limit", limit, "units of the errors", "1.0", or_zero=True)))
+    above = np.flatnonzero(~(errors <= limit))
     first = int(above[-1]) + 1 if above.size else 0
-    return float(times[first] - times[0]) if first < len(sizes) else None
+    return float(t_s[first] - t_s[0]) if first < len(errors) else None
 
 
 @short_dataclass

@@ -34,13 +34,10 @@ class Sentences:
     ----------
     lines : sequence of str
     heading : str
-    empty : str
-        Sentence in their place, where there is none.
     """
 
     lines: Sequence[str]
     heading: str = ""
-    empty: str = ""
 
 
 @dataclass(frozen=True)
@@ -102,10 +99,9 @@ def _lines(part: Part) -> list[str]:
     match part:
         case Conclusion(sentences):
             return list(sentences)
-        case Sentences(lines, heading, empty):
-            told = [f"- {line}" for line in lines] if heading else list(lines)
-            head = [f"{heading}:"] if heading and told else []
-            return [*head, *map(printable, told or filter(None, [empty]))]
+        case Sentences(lines, heading):
+            told = [*map(printable, lines)]
+            return [f"{heading}:", *(f"- {line}" for line in told)] if heading and told else told
         case Table(headings, rows, heading):
             return [*filter(None, [heading]), *columns([headings, *rows] if headings else rows)] if rows else []
     return []
@@ -131,14 +127,11 @@ def _html(part: Part) -> str:
     match part:
         case Conclusion(sentences, passed):
             return "".join(html_page.badge(sentence, passed=passed) for sentence in sentences)
-        case Sentences(lines, heading, empty):
-            if heading:
-                return html_page.listing(heading, map(escaped, lines), empty and escaped(empty))
-            return "".join(map(paragraph, lines or filter(None, [empty])))
+        case Sentences(lines, heading):
+            return html_page.listing(heading, lines) if heading else "".join(map(paragraph, lines))
         case Table(headings, rows, heading, marked):
             head = f"<h2>{escaped(heading)}</h2>" if heading else ""
-            cells = [(row, number not in marked) for number, row in enumerate(rows)]
-            return f"{head}{html_page.table(headings, cells)}" if rows else ""
+            return f"{head}{html_page.table(headings, rows, marked)}" if rows else ""
         case Picture(draw):
             return draw()
         case Details(summary, content):

@@ -18,8 +18,6 @@ from lie_rigid_body.report.recorded_motion import Pieces, ResidualsOverTime, in_
 from lie_rigid_body.scenario.facts import facts
 
 _HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
-_COUNTS: Final = (99.0, 1e7)
-"""Limits between which a whole number is a count, shown with all digits."""
 MAX_TABLES: Final = 30
 """Largest number of segments whose laws are told: the first ones, those that break a law before the others."""
 
@@ -158,8 +156,7 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     if law.sample is not None and time_s is not None:
         sample = "all" if law.worst == 0.0 else str(law.sample)
         time = "" if law.worst == 0.0 else f"{time_s:.7g}"
-    is_count = _COUNTS[0] < law.worst < _COUNTS[1] and law.worst.is_integer()
-    worst = f"{law.worst:.0f}" if is_count else f"{law.worst:.2g}"
+    worst = f"{law.worst:.7g}" if law.worst.is_integer() else f"{law.worst:.2g}"  # counts have all digits
     if not law.is_judged:
         return law.name, worst, "", law.unit, sample, time, ""
     return law.name, worst, f"{law.limit:.2g}", law.unit, sample, time, "holds" if law.holds else "BROKEN"
@@ -175,7 +172,7 @@ def _residuals(certificate: Certificate, residuals: ResidualsOverTime, pieces: P
     panels = list(figures.residuals_over_time(certificate, residuals, pieces))
     what = html_page.paragraph(
         "The largest residual of each law in each of some hundred intervals of time, beside its limit. "
-        "A circle marks the worst sample or reading; what is beyond its limit is red. Residuals of 0 are left out, "
+        "What is beyond its limit is red. Residuals of 0 are left out, "
         "and so are laws that have no other: the tables have all."
     )
     return f"<h2>Residuals over time</h2>{what}{html_page.grid(panels)}" if panels else ""

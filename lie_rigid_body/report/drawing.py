@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import printable
 
 if TYPE_CHECKING:
@@ -27,6 +29,15 @@ SURFACE = "#C9D6E8"
 FRAME = "#8A97A8"
 """Colours of the ellipsoid, and of its principal circles and the axes of figures."""
 
+_FEW_SAMPLES: Final = 3
+"""Largest number of samples that a line alone would hardly show."""
+_MANY_SAMPLES: Final = 20_000
+"""Number of samples above which the curves of a fast motion fill whole areas."""
+_MAX_DRAWN: Final = 1e300
+"""Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
+_JOINED_PX: Final = 0.5
+"""Distance, pixels, up to which points of a curve are joined: millions of samples keep their peaks in a small file."""
+
 
 def of_axes(draw: Callable[[Axes], None]) -> Figure:
     """Figure of one pair of axes into which a function draws: half a page wide."""
@@ -44,6 +55,22 @@ def finish(axes: Axes, columns: int) -> None:
     axes.grid(alpha=0.3, lw=0.6)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, frameon=False, borderaxespad=0.1)
+
+
+def draw_curve(
+    axes: Axes, t_s: Array, values: Array, colour: str, label: str | None, width: float = 1.1, **look: Any
+) -> None:
+    """Draw a curve over rising times: a few samples as dots, very many thin, and no line across a gap between them."""
+    steps = np.diff(t_s, append=t_s[-1:])
+    behind = np.flatnonzero(steps > GAP_PERIODS * np.median(steps)) + 1
+    drawable = np.where(np.abs(values) < _MAX_DRAWN, values, np.nan)
+    style: dict[str, Any] = {"lw": width}
+    if len(t_s) > _MANY_SAMPLES:
+        style = {"lw": 0.5 * width, "alpha": 0.6}  # so that no curve hides the others
+    elif len(t_s) <= _FEW_SAMPLES:
+        style |= {"marker": "o", "ms": 4.0}
+    points = (np.insert(each, behind, np.nan) for each in (t_s, drawable))
+    axes.plot(*points, color=colour, label=label, **style | look)
 
 
 def label(text: str) -> str:
@@ -79,5 +106,6 @@ def _saved(draw: Callable[[], Figure], **how: Any) -> bytes:
         warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
         matplotlib.rcdefaults()
         matplotlib.rcParams.update({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"})
+        matplotlib.rcParams["path.simplify_threshold"] = _JOINED_PX
         draw().savefig(out, **how)
     return out.getvalue()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, Final
@@ -41,8 +41,6 @@ FRAMES: Final = 200
 """Largest number of frames."""
 _TURN: Final = 0.25
 """Largest turn, rad, from one frame to the next, if samples are as near."""
-_TAIL: Final = 30
-"""Number of frames that the bright part of the trace is long."""
 _ARROW: Final = 1.15
 """Length of the arrow of the angular momentum, and of the longest arrow of the angular velocity, in longest sides of
 the box."""
@@ -116,11 +114,11 @@ def herpolhode(piece: RecordedSegment) -> Array | None:
 
 
 def _draw_herpolhode(axes: Axes, points: Array) -> None:
-    reach = 1.1 * max(float(np.abs(points).max()), 1e-9)
     axes.plot(*points.T, color=RED, lw=1.0)
     axes.plot(*points[:1].T, "o", color=BLACK, ms=4, label="first sample")
     axes.plot(0.0, 0.0, "x", color=GREY, label="angular momentum")
-    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xlabel="ω across L [rad/s]", ylabel="[rad/s]")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="ω across L [rad/s]", ylabel="[rad/s]")
     axes.locator_params(nbins=5)
 
 
@@ -133,7 +131,7 @@ def body(piece: RecordedSegment) -> tuple[Look, list[str], str] | None:
     _, begin = first_arc(piece)
     momentum = scenario.body().angular_momentum(begin)
     followed = int(np.argmax(np.abs(begin.body_rate)))
-    moving = _moving(piece, states, followed)[: -1 if scenario.path() else None]
+    moving = _moving(piece, states)[: -1 if scenario.path() else None]
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=False)),
         _line(moving[2][:, 3 * followed + 1], f"path of the {'xyz'[followed]} axis", _TRACE, 2, opacity=0.6),
@@ -149,13 +147,12 @@ def body(piece: RecordedSegment) -> tuple[Look, list[str], str] | None:
         "margin": {"l": 0, "r": 0, "t": 30, "b": 0},
         "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "bottom"},
     }
-    digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
     duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
     each = [[_places(points[k]) for points in moving] for k in range(len(t))]
     pictures = [{name: [place[name] for place in places] for name in "xyz"} for places in each]
     return (
         {"data": data, "layout": layout, "film": {"duration": duration, "pictures": pictures}},
-        [f"{seconds:.{digits}f} s" for seconds in t.tolist()],
+        [f"{seconds:.4g} s" for seconds in t.tolist()],
         f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * duration:.3g} s: a box of the body's principal "
         "moments in the world. Drag to turn, scroll to come nearer.",
     )
@@ -171,8 +168,8 @@ def _frames(piece: RecordedSegment) -> tuple[Array, State]:
     return t[at[sane]], states
 
 
-def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array, ...]:
-    """Points at each frame of the box, its edges, the axes, the rate, the latest tips of an axis, and the momentum.
+def _moving(piece: RecordedSegment, states: State) -> tuple[Array, ...]:
+    """Points at each frame of the box, its edges, the axes, the rate, and the momentum.
 
     Each has shape (N, M, 3), on the axes of the world, in longest sides of the box.
     """
@@ -184,13 +181,11 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
     momenta = (_ARROW / (largest or 1.0)) * own.angular_momentum(states)[:, np.newaxis]
     scale = _ARROW / fastest if fastest else 0.0
     rates = scale * quaternion.rotate(states.attitude_xyzw, states.body_rate)[:, np.newaxis]
-    latest = np.maximum(0, np.arange(len(rates))[:, np.newaxis] + np.arange(-_TAIL, 1))
     return (
         corners,
         corners[:, _EDGES],
         axes,
         np.concatenate([np.zeros_like(rates), rates], axis=1),
-        axes[latest, 3 * followed + 1],
         np.concatenate([np.zeros_like(momenta), momenta], axis=1),
     )
 
@@ -244,7 +239,6 @@ _LOOKS: Final = (
         **_letters("xyz", 14),
     ),
     _arrow("angular velocity ω", _RATE),
-    _line(_NONE, "latest part of it", RED, 4, showlegend=False),
     _arrow("angular momentum L, which kicks alone change", _MOMENTUM),  # not along a path
 )
 """Looks of what moves, in the order of `_moving`."""
@@ -274,56 +268,17 @@ def residuals_over_time(certificate: Certificate, residuals: ResidualsOverTime, 
 
 
 def draw_law(axes: Axes, law: LawResult, series: tuple[Array, Array, Array, Booleans], pieces: Pieces) -> None:
-    """Draw the curve of a law with marks at what is broken and at the worst, and its limit."""
-    from lie_rigid_body.report.recording_picture import draw_curve, draw_resets
+    """Draw the curve of a law with marks at what is broken, and its limit."""
+    from lie_rigid_body.report.recording_picture import draw_resets
 
     t, residuals, limits, broken = series
     finite = np.concatenate([residuals, limits])
     top = min(_BEYOND * float(finite[np.isfinite(finite)].max(initial=0.0)) or 1.0, _HIGHEST)
     heights = np.minimum(residuals, top)
     axes.set_yscale("log", nonpositive="mask")
-    draw_curve(axes, t, heights, BLUE, "largest residual", 1.2)
+    axes.plot(t, heights, ".-", color=BLUE, lw=1.2, ms=3, label="largest residual")
     axes.plot(t[broken], heights[broken], ".", color=RED, label="broken" if broken.any() else None)
-    if law.stamp_ns is not None and law.worst > 0.0:
-        at_s = (law.stamp_ns - int(pieces[0].stamps_ns[0])) / 1e9
-        axes.plot(at_s, min(law.worst, top), "o", color=BLUE, mfc="none", ms=9, label=f"worst: number {law.sample}")
     if np.isfinite(limits).any():
-        draw_curve(axes, t, limits, GREY, "limit", 1.2, ls="--")
+        axes.plot(t, limits, "--", color=GREY, lw=1.2, label="limit")
     axes.set(xlabel="time [s]", ylabel=f"residual [{law.unit}]" if len(law.unit) > 1 else "residual")
     draw_resets(axes, pieces)
-
-
-def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
-    """Draw how many of many bags have a worst residual up to each size, beside the limits.
-
-    Parameters
-    ----------
-    laws : mapping of str to sequence of pairs of float
-        Of each law, by its name with the unit, the worst residual and its limit in each bag.
-    whose : str
-        What there are many of, such as ``bags``.
-
-    Yields
-    ------
-    str
-        HTML. Laws that have no residual but 0, as those that hold or do not, are left out.
-    """
-    for name, pairs in laws.items():
-        residuals, limits = np.array(pairs, dtype=np.float64).T
-        finite = np.isfinite(residuals)
-        shown = finite & (residuals > 0.0)
-        if shown.any() and limits.max() > 0.0:
-            left_out = {"0": np.sum(residuals == 0.0), "not finite": np.sum(~finite)}
-            caption = ", ".join(f"{what} in {count} {whose}" for what, count in left_out.items() if count)
-            yield plane(name, partial(draw_distribution, pairs=np.array(pairs)[shown], whose=whose), caption)
-
-
-def draw_distribution(axes: Axes, pairs: Array, whose: str) -> None:
-    """Draw the number of residuals up to each size, those beyond their own limits in red, and the limits of all."""
-    residuals, limits = pairs[np.argsort(pairs[:, 0])].T
-    numbers = np.arange(1, len(residuals) + 1)
-    beyond = residuals > limits
-    axes.plot(residuals, numbers, ".-", color=BLUE, label="worst residuals")
-    axes.plot(residuals[beyond], numbers[beyond], ".", color=RED, label="beyond the limit" if beyond.any() else None)
-    axes.axvspan(float(limits.min()), float(limits.max()), color=GREY, alpha=0.3, label="limits")
-    axes.set(xscale="log", xlabel="worst residual, up to", ylabel=whose, ylim=(0.0, None))

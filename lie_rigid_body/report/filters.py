@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import cycle
 from typing import TYPE_CHECKING, Final
 
@@ -33,7 +34,7 @@ def parts_of_diagnosis(found: FilterDiagnosis) -> Parts:
     """Answer about what is wrong with a filter."""
     return [
         Conclusion(found.sentences, found.passed),
-        *([Picture(lambda: html_page.picture(lambda width: _draw(found, width)))] if found.errors else []),
+        *([Picture(lambda: html_page.picture(partial(_draw, found)))] if found.errors else []),
         Table(
             ("mistake", "repair", "before", "after", "or else"),
             [
@@ -73,11 +74,11 @@ def parts_of_diagnosis(found: FilterDiagnosis) -> Parts:
     ]
 
 
-def _draw(found: FilterDiagnosis, width: float) -> Figure:
+def _draw(found: FilterDiagnosis) -> Figure:
     """The total error before and after each named repair."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, 3.8), layout="constrained")
+    figure = Figure(figsize=(10.0, 3.8), layout="constrained")
     axes = figure.subplots()
     for each, colour in zip(found.errors, cycle((ORANGE, BLUE, GREEN, BLACK)), strict=False):
         errors = np.maximum(each.error_deg, 1e-4)  # those of a right filter may be 0
@@ -85,7 +86,7 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
     axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
     axes.set(xlabel="time, s", ylabel="total error, °", yscale="log")
     axes.margins(x=0.0)
-    finish(axes, 4 if width > 5.0 else 2)
+    finish(axes, 4)
     return figure
 
 
@@ -113,7 +114,7 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
             ],
             marked=marked,
         ),
-        Picture(lambda: html_page.picture(lambda width: draw_league(table, width))),
+        Picture(lambda: html_page.picture(partial(draw_league, table, 10.0))),
     ]
 
 

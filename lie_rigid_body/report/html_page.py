@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
@@ -43,10 +43,9 @@ figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
 .plot { height: 38rem; }
 .controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
-.narrow { display: none; }
 pre { background: var(--soft); padding: 0.8rem; overflow-x: auto; }
 @media (max-width: 640px) {
-  .wide:not(.grid) { display: none; } .narrow { display: block; } .plot { height: 26rem; }
+  .plot { height: 26rem; }
   th, td { padding: 0.3rem 0.4rem; }
 }
 @media screen and (prefers-color-scheme: dark) {
@@ -173,10 +172,9 @@ def film(content: Mapping[str, Any], times: Sequence[str]) -> str:
     )
 
 
-def picture(draw: Callable[[float], Figure]) -> str:
-    """Picture by Matplotlib as SVG, which is drawn for two widths, in inches: those of a desk and of a phone."""
-    wide, narrow = (svg(partial(draw, width)) for width in (10.0, 4.6))
-    return f'<figure class="wide">{wide}</figure><figure class="narrow">{narrow}</figure>'
+def picture(draw: Callable[[], Figure]) -> str:
+    """Picture by Matplotlib as SVG, as wide as the page."""
+    return f"<figure>{svg(draw)}</figure>"
 
 
 def grid(figures: Iterable[str], *, wide: bool = False) -> str:
@@ -199,21 +197,20 @@ def paragraph(text: str) -> str:
     return f"<p>{escaped(text)}</p>"
 
 
-def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Table of plain text; each row comes with whether it passed."""
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]], marked: Collection[int]) -> str:
+    """Table of plain text, with marks on some rows, by their indices."""
     head = "".join(f"<th>{escaped(heading)}</th>" for heading in headings)
     body = "".join(
-        f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
-        for cells, passed in rows
+        f"<tr{' class=broken' if i in marked else ''}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
+        for i, cells in enumerate(rows)
     )
     return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
-    """List of HTML under a heading; if there is no item, a sentence or nothing."""
-    entries = "".join(f"<li>{item}</li>" for item in items)
-    content = f"<ul>{entries}</ul>" if entries else empty and f"<p>{empty}</p>"
-    return content and f"<h2>{heading}</h2>{content}"
+def listing(heading: str, lines: Iterable[str]) -> str:
+    """List of plain text under a heading; nothing without a line."""
+    entries = "".join(f"<li>{escaped(line)}</li>" for line in lines)
+    return f"<h2>{heading}</h2><ul>{entries}</ul>" if entries else ""
 
 
 def scenario(segment: Segment) -> tuple[str, str]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, printable
-from lie_rigid_body.report import answer, certificates, figures, html_page
-from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
+from lie_rigid_body.report import answer, certificates
+from lie_rigid_body.report.answer import Conclusion, Parts, Sentences, Table
 from lie_rigid_body.system import console
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
@@ -65,8 +65,7 @@ def as_table(verdicts: Verdicts) -> str:
 
 def page_of_verdicts(title: str, verdicts: Verdicts) -> bytes:
     """Answer as a page, of at least one bag or body that has a certificate."""
-    curves = Picture(lambda: "".join(_distributions(kind_of(verdicts), verdicts)))
-    return answer.as_page(title, [*_parts(verdicts), curves])
+    return answer.as_page(title, _parts(verdicts))
 
 
 def _parts(verdicts: Verdicts) -> Parts:
@@ -139,28 +138,17 @@ def kind_of(verdicts: Verdicts) -> str:
 
 def uncovered(verdicts: Verdicts) -> list[str]:
     """Sentences about what no law speaks of in some bags, each once, with the name of its bag or how many have it."""
-    found: dict[str, list[tuple[Verdict, str]]] = {}
+    found: dict[str, list[Verdict]] = {}
     for verdict in verdicts:
         for text in verdict.certificate.uncovered if verdict.certificate else ():
             # numbers of messages may differ from bag to bag where the same thing is not certified
-            found.setdefault(re.sub(r" \(\d+ messages\)|: \d+$", "", text), []).append((verdict, text))
+            found.setdefault(re.sub(r" \(\d+ messages\)|: \d+$", "", text), []).append(verdict)
     lines = []
-    count = len({verdict.bag for verdict in verdicts})
-    for what, places in found.items():
-        (first, text), *others = places
-        bags = {verdict.bag for verdict, _ in places}
-        where = f"{len(bags)} of {count} bags" if len(bags) > 1 else printable(first.bag if others else first.name)
-        lines.append(f"{text if all(other == text for _, other in others) else what} ({where})")
+    for text, (first, *others) in found.items():
+        bags = {verdict.bag for verdict in (first, *others)}
+        where = f"{len(bags)} of {len({verdict.bag for verdict in verdicts})} bags"
+        if len(bags) == 1:
+            where = printable(first.bag if others else first.name)
+        lines.append(f"{text} ({where})")
     more = len(lines) - _MAX_TOLD
     return lines if more <= 0 else [*lines[:_MAX_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
-
-
-def _distributions(what: str, verdicts: Verdicts) -> Iterator[str]:
-    laws: dict[str, list[Sequence[float]]] = {}
-    for certificate in filter(None, (verdict.certificate for verdict in verdicts)):
-        for name, pair in certificate.residuals.items():
-            laws.setdefault(name, []).append(pair)
-    if panels := list(figures.distributions(laws, what)):
-        yield "<h2>Residuals</h2>"
-        yield html_page.paragraph(f"How many {what} have a worst residual up to each size, beside the limits.")
-        yield html_page.grid(panels)

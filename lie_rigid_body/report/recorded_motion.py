@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -19,13 +19,8 @@ from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
-FEW_SAMPLES: Final = 3
-"""Largest number of samples that a line alone would hardly show."""
-MANY_SAMPLES: Final = 20_000
-"""Number of samples above which the curves of a fast motion fill whole areas; points of a polhode."""
-DOTS: Final[dict[str, Any]] = {"marker": "o", "ms": 4.0}
-"""Look of few samples in a picture."""
-
+POLHODE_POINTS: Final = 20_000
+"""Largest number of points of a polhode."""
 MAX_RESETS: Final = 12
 """Largest number of resets that are drawn as lines through the curves."""
 COLUMNS: Final = 1000
@@ -165,13 +160,6 @@ def extremes(t: Array, values: Array, columns: int = COLUMNS) -> Integers:
     order = np.lexsort((values, column))
     first = np.flatnonzero(np.diff(column[order], prepend=-1))
     return np.union1d(order[first], order[np.append(first[1:], len(t)) - 1])
-
-
-def curve_style(count: int, width: float) -> dict[str, Any]:
-    """Style of the curves of so many samples in a picture: few as dots, many so that no curve hides the others."""
-    if count <= FEW_SAMPLES:
-        return {**DOTS, "lw": width}
-    return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
 @np.errstate(invalid="ignore", over="ignore")  # recorded numbers may be anything

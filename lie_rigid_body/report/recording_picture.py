@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, cast
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import FuncFormatter, MaxNLocator
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.wording import counted
-from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE, finish
+from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE, draw_curve, finish
 from lie_rigid_body.report.recorded_motion import (
     EYE,
-    MANY_SAMPLES,
     MAX_RESETS,
+    POLHODE_POINTS,
     VIEW,
     Ellipsoid,
     Pieces,
     RecordedSegment,
-    curve_style,
-    extremes,
     in_words,
     reset_times,
     times,
@@ -32,8 +29,6 @@ from lie_rigid_body.report.recorded_motion import (
 from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
 from lie_rigid_body.scenario.facts import facts
 
-_MAX_DRAWN: Final = 1e300
-"""Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
 _TICK_PAD = 5.0
 _LABEL_PAD = 11.0
 """Distances of numbers and label from an axis, points."""
@@ -135,15 +130,6 @@ def _drifts(piece: RecordedSegment) -> Array:
     )
 
 
-def draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | None, width: float, **look: Any) -> None:
-    """Draw a curve by its extremes, without numbers that an axis cannot have."""
-    known = np.abs(values) < _MAX_DRAWN
-    t = t[known]
-    values = values[known]
-    few = extremes(t, values)
-    axes.plot(t[few], values[few], color=colour, label=label, **curve_style(len(t), width) | look)
-
-
 def polhode(piece: RecordedSegment) -> Figure:
     """Figure of the polhode alone."""
     figure = Figure(figsize=(5.0, 5.0), layout="constrained")
@@ -153,11 +139,13 @@ def polhode(piece: RecordedSegment) -> Figure:
 
 def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str) -> None:
     axes: Axes3D = figure.add_subplot(projection="3d")
-    ellipsoid = Ellipsoid.of(piece, MANY_SAMPLES)
-    if ellipsoid is None:
+    found = Ellipsoid.of(piece, POLHODE_POINTS)
+    if found is None:
         axes.text2D(0.5, 0.5, "no polhode at rest or along a path", transform=axes.transAxes, ha="center")
         axes.set_axis_off()
         return
+    power = 3 * int(np.floor(np.log10(found.radii.max()) / 3.0))  # slow and fast motions have short numbers as well
+    ellipsoid = Ellipsoid(found.radii / 10.0**power, found.polhode / 10.0**power)
     axes.view_init(*VIEW)
     axes.set_proj_type("ortho")
     axes.plot_surface(*ellipsoid.surface(), color=SURFACE, alpha=0.5, linewidth=0, antialiased=False, shade=False)
@@ -167,7 +155,7 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
     for part, alpha in ((facing, 1.0), (~facing, 0.3)):  # faint behind, as the renderer sorts no lines by depth
         axes.plot(*np.where(part, ellipsoid.polhode.T, np.nan), color=RED, lw=2.6, alpha=alpha, zorder=10)
     axes.plot(*ellipsoid.polhode[:1].T, marker="o", ms=6, color=RED, mec="white", zorder=20)
-    _label_axes(axes, ellipsoid.radii)
+    _label_axes(axes, ellipsoid.radii, f"$10^{{{power}}}$ rad/s" if power else "rad/s")
     # words of the figure: axes in space do not keep to their frame, as those seen from below have labels above it
     principal = piece.segment.scenario.body().principal_moments
     moments = ", ".join(f"$I_{i}$ = {moment:.4g}" for i, moment in enumerate(principal, start=1))
@@ -175,19 +163,14 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
     figure.supxlabel("dot: first sample; faint: behind", fontsize=9)
 
 
-def _label_axes(axes: Axes3D, radii: Array) -> None:
-    """Label the axes; of slow and fast motions in units of a power of 1000, so that numbers are short."""
-    reach = 1.05 * radii
-    axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), zlim=(-reach[2], reach[2]))
-    axes.set_box_aspect(tuple(float(r) for r in radii / radii.max()), zoom=0.88)
-    power = 3 * int(np.floor(np.log10(radii.max()) / 3.0))
-    unit = f"$10^{{{power}}}$ rad/s" if power else "rad/s"
-    for i, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis), start=1):
-        axis.set_major_locator(MaxNLocator(nbins=4, symmetric=True))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:g}".replace("-", "−")))
-        axis.set_tick_params(pad=_TICK_PAD)
-        axis.set_label_text(f"$\\omega_{i}$ [{unit}]")
-        axis.labelpad = _LABEL_PAD
+def _label_axes(axes: Axes3D, radii: Array, unit: str) -> None:
+    names = ("x", "y", "z")
+    axes.set(**{f"{name}lim": (-reach, reach) for name, reach in zip(names, 1.05 * radii, strict=True)})
+    axes.set_box_aspect(tuple(radii.tolist()), zoom=0.88)
+    axes.locator_params(nbins=4, symmetric=True)
+    axes.tick_params(pad=_TICK_PAD)
+    for i, name in enumerate(names, start=1):
+        getattr(axes, f"set_{name}label")(f"$\\omega_{i}$ [{unit}]", labelpad=_LABEL_PAD)
 
 
 def _title(pieces: Pieces, whose: str) -> str:

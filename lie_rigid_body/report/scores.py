@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
-from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.clock import SIGNIFICANT
-from lie_rigid_body.evaluation.consistency import Consistency
+from lie_rigid_body.evaluation.consistency import PROBABILITY, Consistency
 from lie_rigid_body.evaluation.score import BiasEstimate, Score
 from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Details, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, finish, label, png
-from lie_rigid_body.report.recorded_motion import curve_style, extremes
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, draw_curve, finish, label, png
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,8 +26,8 @@ if TYPE_CHECKING:
 
 Scored: TypeAlias = Sequence[tuple[RecordedEstimate, Score]]
 """Estimates with their scores."""
-Panel: TypeAlias = "tuple[Callable[[Axes], None], str, int]"
-"""Panel of a figure: what draws it, the label of its axis, and the number of columns of its legend."""
+Panel: TypeAlias = "tuple[Callable[[Axes], None], str]"
+"""Panel of a figure: what draws it, and the label of its axis."""
 
 _HEADINGS: Final = (
     "estimate",
@@ -46,14 +44,10 @@ _HEADINGS: Final = (
 WITHOUT_DYNAMICS: Final = "Cramér–Rao bound of filters that do not know the dynamics"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
-SCORE_COLUMNS: Final = 2000
-"""Number of intervals of time of a long curve, so that no peak is lost."""
 _MAX_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic, and of a limit that is far beyond."""
-_NARROW: Final = 5.0
-"""Width, inches, up to which a figure is for the screen of a phone."""
 
 
 def as_text(score: Score) -> str:
@@ -68,7 +62,7 @@ def parts(read: RecordedEstimate | None, score: Score) -> Parts:
         Sentences(score.remarks),
         _verdict(score),
         Sentences([summary(score)]),
-        Picture(lambda: html_page.picture(lambda width: draw("", score, width))),
+        Picture(lambda: html_page.picture(partial(draw, "", score))),
         *tables(score),
         _findings(score),
         Sentences([*(note.message for note in score.notes), *(read.notes if read else ())], "Notes"),
@@ -87,7 +81,7 @@ def parts_of_several(scored: Scored) -> Parts:
             [_cells(*each) for each in scored],
             marked={number for number, (_, score) in enumerate(scored) if not score.passed},
         ),
-        Picture(lambda: html_page.picture(lambda width: curves("", scored, width))),
+        Picture(lambda: html_page.picture(partial(curves, "", scored))),
         Sentences([f"{_SOURCE}; RMS and 95 % of the total error, degrees."]),
         *(_findings(score, f"Findings of {read.track.topic}") for read, score in scored if score.findings),
     ]
@@ -121,7 +115,7 @@ def _findings(score: Score, heading: str = "Findings") -> Sentences:
     large = score.total_deg.median > MAX_SETTLED_DEG and not is_late and not score.remarks
     hint = ": no known mistake in the output explains errors this large; diagnose tests what the filter reads"
     found = [f"{finding.code}: {finding.message}" for finding in score.findings]
-    return Sentences(found, heading, f"No findings{hint * large}.")
+    return Sentences(found, heading) if found else Sentences([f"No findings{hint * large}."])
 
 
 def tables(score: Score) -> list[Table]:
@@ -242,7 +236,7 @@ def summary(score: Score) -> str:
     return f"The attitude error is {total} rms: heading {heading}, inclination {inclination}{least}."
 
 
-def draw(title: str, score: Score, width: float = 10.0) -> Figure:
+def draw(title: str, score: Score) -> Figure:
     """Figure of a score: the errors over time, with the limits, the NEES with its bounds, and the gyro's bias.
 
     Parameters
@@ -250,43 +244,37 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
     title : str
         It may hold anything; without one nothing is above the panels.
     score : Score
-    width : float, optional
-        Width, inches; a narrow one is for the screen of a phone.
     """
-    columns = 5 if width > _NARROW else 2
     nees = score.consistency
     bias = score.gyro_bias
     panels: list[Panel] = [
-        (partial(_draw_total, score=score), "error [deg]", columns),
-        (partial(_draw_parts, score=score), "error [deg]", columns),
-        *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES", columns)] if nees else []),
-        *([(partial(_draw_bias, first_ns=score.stamps_ns[0], bias=bias), "gyro bias [rad/s]", 3)] if bias else []),
+        (partial(_draw_total, score=score), "error [deg]"),
+        (partial(_draw_parts, score=score), "error [deg]"),
+        *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES")] if nees else []),
+        *([(partial(_draw_bias, first_ns=score.stamps_ns[0], bias=bias), "gyro bias [rad/s]")] if bias else []),
     ]
-    height = 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels)
+    height = 1.0 * bool(title) + 1.2 + 2.0 * len(panels)
     rms = f"attitude error {in_degrees(score.total_deg.rms)} rms, {counted(score.samples, 'sample')}"
-    return _figure([title, rms], (width, height), panels)
+    return _figure([title, rms], height, panels)
 
 
-def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
+def curves(title: str, scored: Scored) -> Figure:
     """Figure of the total errors of several estimates, under their topics; see `draw`."""
-    columns = 2 if width > _NARROW else 1
-    size = (width, 3.4 + 0.25 * len(scored) / columns)
-    return _figure([title], size, [(partial(_draw_several, scored=scored), "total error [deg]", columns)])
+    panel = (partial(_draw_several, scored=scored), "total error [deg]")
+    return _figure([title], 3.4 + 0.06 * len(scored), [panel])
 
 
-def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel]) -> Figure:
+def _figure(titles: Sequence[str], height: float, panels: Sequence[Panel]) -> Figure:
     """Panels one above the other, and titles above them."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, dpi=120, layout="constrained")
+    figure = Figure(figsize=(10.0, height), dpi=120, layout="constrained")
     figure._repr_png_ = partial(png, lambda: figure)  # type: ignore[attr-defined]  # by which a notebook shows it
-    for (draw_panel, name, columns), axes in zip(
-        panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
-    ):
+    for (draw_panel, name), axes in zip(panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True):
         draw_panel(axes)
         axes.margins(x=0.0)
         axes.set_ylabel(name)
-        finish(axes, columns)
+        finish(axes, 4)
     axes.set_xlabel("time since the first estimate [s]")
     if titles[0]:
         # the names of a file and a topic may hold anything, and ``$`` is no formula
@@ -295,21 +283,13 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
     return figure
 
 
-def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width: float = 1.1, style: str = "-") -> None:
-    """Plot some thousand points of a curve, the smallest and the largest of their neighbours, and none in a gap."""
-    steps = np.diff(t_s)
-    behind = np.flatnonzero(steps > GAP_PERIODS * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.int64)
-    kept = np.union1d(extremes(t_s, values, SCORE_COLUMNS), behind)
-    points = [np.insert(array[kept], np.searchsorted(kept, behind), np.nan) for array in (t_s, values)]
-    axes.plot(*points, color=colour, ls=style, label=label, **curve_style(len(values), width))
-
-
 def _draw_several(axes: Axes, scored: Scored) -> None:
     """Draw the total error of each estimate."""
     first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
     for number, (read, score) in enumerate(scored):
         name = label(f"{shortened(printable(read.track.topic), 30)}, {in_degrees(score.total_deg.rms)} rms")
-        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), name, f"C{number % 10}", 1.0)
+        t_s = (score.stamps_ns - first_ns) / 1e9
+        draw_curve(axes, t_s, np.degrees(score.error.total), f"C{number % 10}", name, 1.0)
     _scale(axes, [np.degrees(score.error.total) for _, score in scored])
 
 
@@ -319,10 +299,10 @@ def _draw_total(axes: Axes, score: Score) -> None:
     end = float(score.t_s[-1])
     axes.set_xlim(0.0, end or 1.0)
     drawn = [total]
-    _plot(axes, score.t_s, total, "total", BLACK)
+    draw_curve(axes, score.t_s, total, BLACK, "total")
     if score.best is not None and not score.best.unobserved:
         drawn.append(score.best.filtered_deg)
-        _plot(axes, score.t_s, score.best.filtered_deg, "Cramér–Rao bound", PINK)
+        draw_curve(axes, score.t_s, score.best.filtered_deg, PINK, "Cramér–Rao bound")
     rms = score.limits.max_rms_deg
     limits = [] if rms is None else [(0.0, rms, ":", f"limit {rms:g}° rms")]
     limits += [(start, limit, "-", f"limit {limit:g}° from {start:g} s") for start, limit in score.limits.max_after]
@@ -338,14 +318,14 @@ def _draw_parts(axes: Axes, score: Score) -> None:
     """Draw the heading and the inclination error."""
     heading = np.degrees(score.error.heading)
     inclination = np.degrees(score.error.inclination)
-    _plot(axes, score.t_s, heading, "heading", BLUE)
-    _plot(axes, score.t_s, inclination, "inclination", ORANGE)
+    draw_curve(axes, score.t_s, heading, BLUE, "heading")
+    draw_curve(axes, score.t_s, inclination, ORANGE, "inclination")
     _scale(axes, [np.maximum(heading, inclination)])
 
 
 def _draw_nees(axes: Axes, t_s: Array, found: Consistency) -> None:
-    _plot(axes, t_s, found.nees, "NEES", BLACK, 0.9)
-    axes.axhspan(*found.bounds, color=GREEN, alpha=0.2, lw=0.0, label=f"{found.probability:.0%} bounds")
+    draw_curve(axes, t_s, found.nees, BLACK, "NEES", 0.9)
+    axes.axhspan(*found.bounds, color=GREEN, alpha=0.2, lw=0.0, label=f"{PROBABILITY:.0%} bounds")
     axes.set_yscale("log")
 
 
@@ -353,8 +333,8 @@ def _draw_bias(axes: Axes, first_ns: int, bias: BiasEstimate) -> None:
     """Draw the estimated biases of the gyro, each beside the true one."""
     t_s = (bias.stamps_ns - first_ns) / 1e9
     for name, colour, estimate, truth in zip("xyz", COLOURS, bias.estimate.T, bias.truth.T, strict=True):
-        _plot(axes, t_s, estimate, f"estimated {name}", colour)
-        _plot(axes, t_s, truth, f"true {name}", colour, style="--")
+        draw_curve(axes, t_s, estimate, colour, f"estimated {name}")
+        draw_curve(axes, t_s, truth, colour, f"true {name}", ls="--")
 
 
 def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) -> tuple[float, float]:

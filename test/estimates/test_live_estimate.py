@@ -200,7 +200,7 @@ def test_scenarios_without_end_are_counted_and_not_kept(own, monkeypatch):
     first, second = (payload for topic, payload in of(own) if topic.endswith("/scenario"))
     live.truth.hear_scenarios([first, second, first, second])
     assert len(live.truth.segments) == 1
-    assert (live.truth.beyond, live.truth.contradictions) == (2, 0)
+    assert live.truth.left_out == 2
     assert [numbers(told)[:1] for told in live.left_out().values()] == [[2]]
 
 
@@ -218,7 +218,7 @@ def test_of_scenarios_of_one_start_the_last_before_the_samples_counts(own):
             live.truth.hear_poses(topic, POSE_STAMPED, [payload])
     live.truth.hear_scenarios([encode_string(others[2].to_json())])
     assert [*live.truth.segments.values()] == others[1:2]
-    assert live.truth.contradictions == 1
+    assert live.truth.left_out == 1
 
 
 def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(stamps, noisy, with_estimate):

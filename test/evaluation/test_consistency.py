@@ -86,13 +86,6 @@ def test_other_axes_do_not_explain_a_covariance_of_another_size(covariance):
         assert "covariance_axes" not in remark
 
 
-def test_a_pose_gives_the_block_of_its_rotation():
-    pose = np.zeros((6, 6))
-    pose[3:, 3:] = P
-    estimate, truth = attitudes("world")
-    np.testing.assert_array_equal(attitude_nees(estimate, truth, pose).nees, attitude_nees(estimate, truth, P).nees)
-
-
 def test_round_off_of_a_rotated_covariance_is_no_asymmetry():
     R, variance = quaternion.to_matrix(attitudes("world")[1][:500]), 1e-4
     rotated = np.stack([r @ (variance * np.eye(3)) @ r.T for r in R])
@@ -107,13 +100,10 @@ def test_six_dimensions():
     assert nees(errors(full), full).mean == pytest.approx(6.0, rel=0.05)
 
 
-def test_the_largest_probability_has_finite_bounds():
-    result = nees(errors()[:9], P, np.nextafter(1.0, 0.0))
-    assert np.isfinite(result.bounds).all()
-
-
 def test_a_nees_of_the_smallest_variances_is_a_number():
-    assert np.isfinite(attitude_nees([[1.0, 0.0, 0.0, 0.0]] * 9, [[0.0, 0.0, 0.0, 1.0]] * 9, np.eye(3) * 1e-200).mean)
+    assert np.isfinite(
+        attitude_nees(np.tile(np.eye(4)[0], (9, 1)), np.tile(np.eye(4)[3], (9, 1)), np.eye(3) * 1e-200).mean
+    )
 
 
 @pytest.mark.parametrize(

@@ -147,11 +147,9 @@ def test_a_page_fits_a_screen_and_the_dark(run: Any, tmp_path: Path) -> None:
     page, colours = tmp_path / "e.html", {}
     write_report(off_by(run, 5.0, Limits(1.0)), page)
     with Browser(tmp_path) as browser:
-        for (width, shown), scheme in product([(1400, ["wide"]), (400, ["narrow"])], ("light", "dark")):
+        for width, scheme in product((1400, 400), ("light", "dark")):
             browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
             browser.open(page, width, 900)
-            drawn = "[...document.querySelectorAll('figure')].filter(f => f.offsetWidth)"
-            assert browser.evaluate(f"{drawn}.map(f => f.className)") == shown
             assert browser.evaluate("document.documentElement.scrollWidth") <= width
             style = "getComputedStyle(document.body)"
             of_page = browser.evaluate(f"[{style}.color, {style}.backgroundColor]")
