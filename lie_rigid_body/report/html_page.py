@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 from lie_rigid_body import __version__
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.report.drawing import of_axes, svg
-from lie_rigid_body.simulation import Segment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -211,11 +210,6 @@ def listing(heading: str, lines: Iterable[str]) -> str:
     """List of plain text under a heading; nothing without a line."""
     entries = "".join(f"<li>{escaped(line)}</li>" for line in lines)
     return f"<h2>{heading}</h2><ul>{entries}</ul>" if entries else ""
-
-
-def scenario(segment: Segment) -> tuple[str, str]:
-    """Summary and JSON of the scenario of a segment, for `details`."""
-    return f"Scenario from {segment.start_ns} ns on", segment.to_json()
 
 
 def details(summary: str, content: str) -> str:
