@@ -59,11 +59,11 @@ def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> Parts:
     shown = [*zip(comparison.summaries, cycle(DISTINCT), strict=False)]
     return [
         *_table(comparison),
-        Picture(lambda: grid(_errors_over_time(comparison, shown), wide=True)),
+        Picture(lambda: grid(_errors_over_time(comparison, shown))),
         *_pairs(comparison),
-        Picture(lambda: grid(_nees_over_time(shown), wide=True)),
+        Picture(lambda: grid(_nees_over_time(shown))),
         Sentences([*_sentences(comparison)]),
-        Picture(lambda: grid(_figures(shown, varied), wide=True)),
+        Picture(lambda: grid(_figures(shown, varied))),
         _worst_runs(campaign, comparison),
     ]
 

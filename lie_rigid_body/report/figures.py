@@ -92,7 +92,7 @@ def sections(pieces: Pieces) -> Iterator[str]:
             figure(f"Polhode{whose}", svg(partial(polhode, first)), on_ellipsoid),
             plane(f"Herpolhode{whose}", draw, seen),
         ]
-    yield grid(shown, wide=True)
+    yield grid(shown)
     if across is None:
         yield paragraph("There is no polhode and no herpolhode of a body at rest or on a path.")
 

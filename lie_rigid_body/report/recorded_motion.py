@@ -21,9 +21,6 @@ from lie_rigid_body.simulation import Segment
 
 POLHODE_POINTS: Final = 20_000
 """Largest number of points of a polhode."""
-COLUMNS: Final = 1000
-"""Number of intervals of time of a curve, each of which is drawn by its smallest and its largest value."""
-
 _STEP: Final = 0.05
 """Turn from one point of a path to the next, rad, where the samples are as near."""
 _FAR: Final = 1e3
@@ -130,29 +127,6 @@ def times(stamps_ns: Integers, pieces: Pieces) -> Array:
 def reset_times(pieces: Pieces) -> Array:
     """Times of the resets since the first sample of a recording, s."""
     return times(np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64), pieces)
-
-
-def extremes(t: Array, values: Array, columns: int = COLUMNS) -> Integers:
-    """Places of the smallest and the largest value in each of some intervals of time; all places where there are few.
-
-    Parameters
-    ----------
-    t, values : ndarray, shape (N,)
-        Rising times, and finite values.
-    columns : int, optional
-        Number of the intervals, all of one length.
-
-    Returns
-    -------
-    ndarray of int64, shape (M,)
-        Rising; at most two for each interval.
-    """
-    if len(t) <= 2 * columns:
-        return np.arange(len(t))
-    column = ((t - t[0]) * (columns / (t[-1] - t[0]))).astype(np.int64)
-    order = np.lexsort((values, column))
-    first = np.flatnonzero(np.diff(column[order], prepend=-1))
-    return np.union1d(order[first], order[np.append(first[1:], len(t)) - 1])
 
 
 @np.errstate(invalid="ignore", over="ignore")  # recorded numbers may be anything
