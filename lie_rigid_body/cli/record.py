@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 from lie_rigid_body.command_line import argument, file_name, scenario_of, verb
-from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.parameters import exact_duration
 from lie_rigid_body.foundation.wording import counted, printable
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import Interruption
 
-_COMPRESSIONS: Final = {"zstd": "zstd", "lz4": "lz4", "none": ""}
-"""Compressions by their names for users: the names in MCAP files."""
+_COMPRESSIONS: Final = {"zstd": ("zstd", 105), "lz4": ("lz4", 130), "none": ("", 260)}
+"""Compressions by their names for users: the name in MCAP files, and how many bytes a sample, pose and twist, takes."""
 _MAX_CHUNK: Final = 16 * 1024**2
 """Largest number of bytes of a chunk, uncompressed."""
 
@@ -58,6 +59,8 @@ def main(given: argparse.Namespace) -> int:
     count = clock.count_before(duration)
     last_ns = clock.last_ns_before(duration)
     simulation.require_stamps(last_ns)  # before a file is made
+    compression, per_sample = _COMPRESSIONS[given.compression]
+    _require_room(out, count, count * per_sample)
     with Interruption.current().noted() as interruption:
         with (
             suppress(KeyboardInterrupt),
@@ -65,7 +68,7 @@ def main(given: argparse.Namespace) -> int:
                 out,
                 stamped_twist=scenario.stamped_twist,
                 overwrite=given.force,
-                compression=_COMPRESSIONS[given.compression],
+                compression=compression,
                 chunk_size=chunk_size,
             ) as bag,
             console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=given.quiet) as bar,
@@ -95,3 +98,16 @@ def _chunk_size(text: str) -> int:
             f"--chunk-size {text} is not a number of bytes from 1 to {_MAX_CHUNK}: give for example 524288"
         )
     return int(text)
+
+
+def _require_room(out: Path, count: int, needed: int) -> None:
+    """Refuse samples that need more bytes than are free where they are to be written."""
+    try:
+        total, _, free = shutil.disk_usage(out.parent)
+    except OSError:
+        return  # opening the file will say what is wrong with the folder
+    if needed > free and total:  # /proc and its like have no size at all
+        raise BagError(
+            f"{out}: {count} samples need {console.size(needed)} at least and {console.size(free)} are free there: "
+            "record a shorter time, a lower rate, or elsewhere"
+        )

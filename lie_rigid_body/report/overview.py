@@ -105,8 +105,9 @@ def _cells(verdict: Verdict) -> tuple[str, ...]:
     samples = sum(segment.samples for segment in certificate.segments)
     # that came nearest to its limit, or went farthest beyond
     worst = max(certificate.laws, key=lambda law: (not law.holds, law.share))
+    share = f"{worst.share:.2g}" if worst.limit or worst.holds else f"{worst.worst:.2g} of 0"
     accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
-    return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, f"{worst.share:.2g}", verdict.name
+    return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, share, verdict.name
 
 
 def _summary(verdicts: Verdicts) -> str:

@@ -124,11 +124,6 @@ def times(stamps_ns: Integers, pieces: Pieces) -> Array:
     return np.asarray((stamps_ns - pieces[0].stamps_ns[0]) * 1e-9, dtype=np.float64)
 
 
-def reset_times(pieces: Pieces) -> Array:
-    """Times of the resets since the first sample of a recording, s."""
-    return times(np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64), pieces)
-
-
 @np.errstate(invalid="ignore", over="ignore")  # recorded numbers may be anything
 def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Booleans]:
     """States at some places of a segment, of unit quaternions, and which places have one that can be drawn.

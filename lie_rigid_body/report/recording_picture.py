@@ -22,7 +22,6 @@ from lie_rigid_body.report.recorded_motion import (
     Pieces,
     RecordedSegment,
     in_words,
-    reset_times,
     times,
 )
 from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
@@ -93,7 +92,8 @@ def _draw_curves(figure: Any, pieces: Pieces) -> None:
 
 def draw_resets(axes: Axes, pieces: Pieces) -> None:
     """Draw a mark at the upper edge for each reset."""
-    axes.vlines(reset_times(pieces), 0.92, 1.0, transform=axes.get_xaxis_transform(), color="black", lw=0.8)
+    starts = np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64)
+    axes.vlines(times(starts, pieces), 0.92, 1.0, transform=axes.get_xaxis_transform(), color="black", lw=0.8)
 
 
 def _draw_vectors(axes: Axes, pieces: Pieces, of: Callable[[RecordedSegment], Array], symbol: str, label: str) -> None:

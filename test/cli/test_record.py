@@ -224,6 +224,17 @@ def test_quiet_shows_no_bar(tmp_path: Path) -> None:
     assert on_terminal(tmp_path / "b.mcap", *FAST, "--duration", "50", "--quiet") == ""
 
 
+def test_a_disk_with_too_little_room(
+    out: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda path: (10**9, 10**9 - 52_000, 52_000))
+    assert main([str(out), "--duration", "5"]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert numbers(line.replace(str(out.parent), "")) == [500, 52.5, 52]
+    assert not out.exists()
+    assert main([str(out), "--duration", "4", "--quiet"]) == 0
+
+
 def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000)); "

@@ -143,7 +143,7 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets):
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
     heights = [np.ptp(path[:, 1]) for path in marks.get_segments()]
     assert len(heights) == resets
-    assert max(heights) <= (1.0 if resets == 2 else 0.06)
+    assert max(heights) <= 0.1
 
 
 def segments(tmp_path, *counts: int) -> list:
