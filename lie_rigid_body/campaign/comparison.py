@@ -16,8 +16,6 @@ from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS, EnsembleCon
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.runs import simulate
-from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.sensors import SENSORS
 
 MAX_SERIES: Final = 1000
 """Largest number of runs, the first ones, whose errors over time and covariances are judged."""
@@ -144,8 +142,6 @@ class Comparison:
         Whether no two runs have the same noise, without which nothing is said of covariances.
     has_covariances : bool
         Whether any estimate has one.
-    fixed_constants : tuple of str
-        Parameters of errors that no filter knows, such as the scale of the gyro, and that are the same in every run.
     """
 
     summaries: tuple[EstimatorSummary, ...]
@@ -154,7 +150,6 @@ class Comparison:
     bound: Bound | None
     independent: bool
     has_covariances: bool
-    fixed_constants: tuple[str, ...]
 
     @property
     def worst_first(self) -> list[EstimatorSummary]:
@@ -190,20 +185,6 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
         _bound(campaign, summaries),
         independent,
         any(each.covariance for one, _ in chosen for each in one.kept),
-        _fixed_constants(campaign),
-    )
-
-
-def _fixed_constants(campaign: Campaign) -> tuple[str, ...]:
-    """Parameters of errors that stay, and that no filter knows, which are the same in every run."""
-    scenario = campaign.scenario_of(0)
-    return tuple(
-        name
-        for name, value in scenario.sensor_parameters
-        if name.endswith(("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron"))
-        and name not in campaign.vary
-        and value != BY_NAME[name].default
-        and name.startswith(tuple(part for sensor in scenario.sensors.on for part in SENSORS[sensor].streams))
     )
 
 

@@ -186,7 +186,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
     told = [
         f"{counted(len(rows), 'run')}, {len(rows) - len(broken)} certified, attitudes within "
         f"{max(row.attitude_accuracy_rad for row in rows):.2g} rad, in {printable(str(path))}",
-        *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
+        *([f"not certified: {listed(broken)}"] if broken else []),
     ]
     first: Parts = []
     worst_first = [*campaign.estimator_specs.values()]

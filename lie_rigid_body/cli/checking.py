@@ -51,7 +51,7 @@ def check(given: argparse.Namespace) -> int:
     if given.prove is not None:
         require_count(given.prove)
     name = given.bags[0]
-    residuals = None if given.report is None else ResidualsOverTime()
+    residuals = ResidualsOverTime()
     with console.progress_of_bags(given.bags) as bar:
         bodies = Bag.all_of(name, bar.update, topics)
         first, *others = bodies.values()
@@ -61,15 +61,15 @@ def check(given: argparse.Namespace) -> int:
             verdicts = judge_bodies(name, bodies, judged)
             bar.close()
             return _answer(given, verdicts)
-        bar.total = console.bytes_of(name) * (2 + (residuals is not None))
+        bar.total = console.bytes_of(name) * (2 + bool(given.report))
         certificate = judged(first, watch=residuals)
-        pieces = recorded_segments(first, certificate) if residuals and certificate.segments else []
+        pieces = recorded_segments(first, certificate) if given.report and certificate.segments else []
     proof = None
     if given.prove is not None:
         proved = prove(first, certificate, given.prove, max_attitude)
         proof = Proof(tuple(console.progress(proved, unit=" samples")))
     return emit(
-        {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
+        {given.report: lambda: certificates.page(name, certificate, residuals, pieces, proof)},
         lambda: certificates.as_table(name, certificate, proof),
         lambda: certificates.as_json(name, certificate, proof),
         as_json=given.json,

@@ -17,17 +17,7 @@ from lie_rigid_body.system import console
 
 
 def given_estimator(given: argparse.Namespace) -> tuple[str, ProgramEstimator | str | None]:
-    """Words, printable, that give the estimator on the command line, and the one that they name; nothing without one.
-
-    Raises
-    ------
-    InputError
-        If there are several.
-    """
-    kinds = {"": given.estimator, "--command ": given.command, "--node ": given.node}
-    there = [f"{kind}{name}" for kind, name in kinds.items() if name is not None]
-    if len(there) > 1:
-        raise InputError(f"{len(there)} estimators, {' and '.join(there)}: give one of them")
+    """Words, printable, that give the estimator on the command line, and what they name; nothing without one."""
     if given.node is not None:
         return printable(given.node), NodeEstimator(given.node, given.timeout)
     if given.command is not None:
@@ -42,7 +32,6 @@ def named_by(given: argparse.Namespace) -> list[str]:
 
 @verb(
     "Say what is wrong with an attitude filter, by repairing it from outside.",
-    *ESTIMATOR,
     json_option("print what is found for programs"),
     argument("--report", metavar="OUT.html", type=file_name, help="write what is found as one page"),
     FORCE,
@@ -61,6 +50,7 @@ def named_by(given: argparse.Namespace) -> list[str]:
         default=TIMEOUT_S,
         help="longest time of one run of the filter (default: %(default)g)",
     ),
+    either=ESTIMATOR,
     scenario=True,
     epilog="Exit status: 0, 1 where a mistake is named or a probe failed, 2 when the filter cannot be run.",
 )

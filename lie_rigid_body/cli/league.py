@@ -12,7 +12,6 @@ from lie_rigid_body.system import console
 
 @verb(
     "Run an attitude filter over the cases of the league, or print its table.",
-    *ESTIMATOR,
     argument(
         "--with",
         metavar="ROWS.json",
@@ -33,6 +32,7 @@ from lie_rigid_body.system import console
         default=TIMEOUT_S,
         help="longest time of a case (default: %(default)g)",
     ),
+    either=ESTIMATOR,
     epilog="Exit status: 0, or 2 when the filter gives no estimate.",
 )
 def main(given: argparse.Namespace) -> int:

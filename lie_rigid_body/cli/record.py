@@ -15,11 +15,8 @@ from lie_rigid_body.foundation.wording import counted, printable
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import Interruption
 
-_COMPRESSIONS: Final = {"zstd": ("zstd", 105, 145), "lz4": ("lz4", 130, 160), "none": ("", 260, 750)}
-"""Compressions by their names for users: the name in MCAP files, and how many bytes a sample and a reading take.
-
-A sample is a pose and a twist. A reading takes a little more than that of an IMU with noise, its bias included.
-"""
+_COMPRESSIONS: Final = {"zstd": ("zstd", 105), "lz4": ("lz4", 130), "none": ("", 260)}
+"""Compressions by their names for users: the name in MCAP files, and how many bytes a sample, pose and twist, takes."""
 _MAX_CHUNK: Final = 16 * 1024**2
 """Largest number of bytes of a chunk, uncompressed."""
 
@@ -49,7 +46,7 @@ def main(given: argparse.Namespace) -> int:
     # only now: numpy takes longer to load than a usage error to find
     from lie_rigid_body.recording.bag_writer import BagWriter, write_run
     from lie_rigid_body.scenario.parameter_file import files_read
-    from lie_rigid_body.simulation import SampleClock, Simulation
+    from lie_rigid_body.simulation import Simulation
     from lie_rigid_body.system.output_file import require_other
 
     require_other(given.out, files_read(given.scenario, given.params_file))
@@ -62,9 +59,8 @@ def main(given: argparse.Namespace) -> int:
     count = clock.count_before(duration)
     last_ns = clock.last_ns_before(duration)
     simulation.require_stamps(last_ns)  # before a file is made
-    compression, per_sample, per_reading = _COMPRESSIONS[given.compression]
-    readings = sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
-    _require_room(out, count, count * per_sample + readings * per_reading)
+    compression, per_sample = _COMPRESSIONS[given.compression]
+    _require_room(out, count, count * per_sample)
     with Interruption.current().noted() as interruption:
         with (
             suppress(KeyboardInterrupt),
@@ -112,6 +108,6 @@ def _require_room(out: Path, count: int, needed: int) -> None:
         return  # opening the file will say what is wrong with the folder
     if needed > free and total:  # /proc and its like have no size at all
         raise BagError(
-            f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
+            f"{out}: {count} samples need {console.size(needed)} at least and {console.size(free)} are free there: "
             "record a shorter time, a lower rate, or elsewhere"
         )

@@ -392,10 +392,9 @@ def _system(
     F[:, :3, :3] = so3.exp(-turn)
     F[:, :3, 3:6] = pushed
     F[:, :3, constants[0]] = jacobian @ np.einsum("cij,nj->nic", gyro.linear_errors, turn)
-    Q[:, :3, :3] = _diagonal(gyro.noise**2 / readings + walk) @ pushed @ np.swapaxes(pushed, 1, 2)
-    Q[:, :3, 3:6] = _diagonal(walk) @ pushed
-    Q[:, 3:6, :3] = np.swapaxes(Q[:, :3, 3:6], 1, 2)
-    Q[:, 3:6, 3:6] = _diagonal(walk)
+    into = np.concatenate([pushed, np.broadcast_to(np.eye(3), pushed.shape)], axis=1)
+    Q[:, :6, :6] = np.einsum("n,nij,nkj->nik", walk, into, into)
+    Q[:, :3, :3] += np.einsum("n,nij,nkj->nik", gyro.noise**2 / readings, pushed, pushed)
     for i, sensor in enumerate(vectors):
         unit = float(norm(sensor.vector))
         own = slice(6 + 3 * i, 9 + 3 * i)

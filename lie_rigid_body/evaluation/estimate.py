@@ -110,7 +110,8 @@ class Estimate:
         return len(self.attitude_xyzw)
 
     def __getitem__(self, rows: slice) -> Estimate:
-        return replace(self, **{name: each[rows] for name, each in vars(self).items() if isinstance(each, np.ndarray)})
+        arrays: dict[str, Any] = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray)}
+        return replace(self, **{name: each[rows] for name, each in arrays.items()})
 
     def __repr__(self) -> str:
         return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})

@@ -14,7 +14,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary
 from lie_rigid_body.evaluation.differences import Difference, fewest_runs
 from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS, EnsembleConsistency
-from lie_rigid_body.foundation.wording import counted, listed
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.report import answer
 from lie_rigid_body.report.answer import Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, DISTINCT, label
@@ -59,11 +59,11 @@ def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> Parts:
     shown = [*zip(comparison.summaries, cycle(DISTINCT), strict=False)]
     return [
         *_table(comparison),
-        Picture(lambda: grid(_errors_over_time(comparison, shown), wide=True)),
+        Picture(lambda: grid(_errors_over_time(comparison, shown))),
         *_pairs(comparison),
-        Picture(lambda: grid(_nees_over_time(shown), wide=True)),
+        Picture(lambda: grid(_nees_over_time(shown))),
         Sentences([*_sentences(comparison)]),
-        Picture(lambda: grid(_figures(shown, varied), wide=True)),
+        Picture(lambda: grid(_figures(shown, varied))),
         _worst_runs(campaign, comparison),
     ]
 
@@ -156,9 +156,10 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
     if comparison.has_covariances and not comparison.independent:
         yield "Covariances are not judged: some runs have the same noise; draw sensor_seed by run."
     elif comparison.has_covariances and any(one.covariance for one in comparison.summaries):
-        if names := comparison.fixed_constants:
-            what = f"{listed(names)} {'is' if len(names) == 1 else 'are'} the same in every run"
-            yield f"Verdicts on covariances hold for these sensors only: {what}; vary what a filter counts as unknown."
+        yield (
+            "Verdicts on covariances hold for these sensors only: vary scale, mounting, hard and soft iron where a "
+            "filter counts them as unknown."
+        )
     elif comparison.has_covariances:
         yield f"Covariances are not judged: {MIN_RUNS} runs that have one are needed, outside of grids."
 

@@ -52,7 +52,8 @@ def page(
     conclusion, verdict, *others = parts(certificate, proof)
     motion = Picture(lambda: "".join(figures.sections(drawn) if drawn else ()))
     curves = Picture(lambda: _residuals(certificate, residuals, drawn) if drawn else "")
-    scenarios = [Details(*html_page.scenario(each.segment)) for each in certificate.segments[:MAX_TABLES]]
+    segments = [each.segment for each in certificate.segments[:MAX_TABLES]]
+    scenarios = [Details(f"Scenario from {segment.start_ns} ns on", segment.to_json()) for segment in segments]
     return answer.as_page(
         f"Certificate of {bag}", [conclusion, verdict, motion, *others, curves, *scenarios], with_film=True
     )
@@ -160,11 +161,6 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     if not law.is_judged:
         return law.name, worst, "", law.unit, sample, time, ""
     return law.name, worst, f"{law.limit:.2g}", law.unit, sample, time, "holds" if law.holds else "BROKEN"
-
-
-def of_limit(worst: float, limit: float) -> str:
-    """Residual as a share of its limit; the residual itself where the limit is 0."""
-    return f"{worst / limit:.2g}" if limit > 0.0 else f"{worst:.2g} of 0" if worst != 0.0 else "0"
 
 
 def _residuals(certificate: Certificate, residuals: ResidualsOverTime, pieces: Pieces) -> str:

@@ -92,7 +92,7 @@ def sections(pieces: Pieces) -> Iterator[str]:
             figure(f"Polhode{whose}", svg(partial(polhode, first)), on_ellipsoid),
             plane(f"Herpolhode{whose}", draw, seen),
         ]
-    yield grid(shown, wide=True)
+    yield grid(shown)
     if across is None:
         yield paragraph("There is no polhode and no herpolhode of a body at rest or on a path.")
 
@@ -148,8 +148,10 @@ def body(piece: RecordedSegment) -> tuple[Look, list[str], str] | None:
         "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "bottom"},
     }
     duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
-    each = [[_places(points[k]) for points in moving] for k in range(len(t))]
-    pictures = [{name: [place[name] for place in places] for name in "xyz"} for places in each]
+    pictures = [
+        {name: [np.round(points[k, :, i], 3) for points in moving] for i, name in enumerate("xyz")}
+        for k in range(len(t))
+    ]
     return (
         {"data": data, "layout": layout, "film": {"duration": duration, "pictures": pictures}},
         [f"{seconds:.4g} s" for seconds in t.tolist()],
@@ -261,7 +263,7 @@ def residuals_over_time(certificate: Certificate, residuals: ResidualsOverTime, 
         HTML. Laws that have no residual but 0 are left out.
     """
     for law in certificate.laws:
-        if law.name in residuals.laws:
+        if law.name in residuals.pieces:
             series = residuals.series(law.name, int(pieces[0].stamps_ns[0]))
             if (series[1] > 0.0).any():
                 yield plane(law.name, partial(draw_law, law=law, series=series, pieces=pieces))

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 from lie_rigid_body import __version__
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.report.drawing import of_axes, svg
-from lie_rigid_body.simulation import Segment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,8 +37,7 @@ tr.broken td { background: var(--bad); }
 li { margin: 0.5rem 0; overflow-wrap: anywhere; } code { background: var(--soft); padding: 0 0.3rem; }
 figure { margin: 1rem 0; min-width: 0; } svg { max-width: 100%; } figure > svg { width: 100%; height: auto; }
 figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
-.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr)); gap: 0.5rem 1.5rem; }
-.grid.wide { grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); }
+.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); gap: 0.5rem 1.5rem; }
 .plot { height: 38rem; }
 .controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
@@ -177,9 +175,9 @@ def picture(draw: Callable[[], Figure]) -> str:
     return f"<figure>{svg(draw)}</figure>"
 
 
-def grid(figures: Iterable[str], *, wide: bool = False) -> str:
+def grid(figures: Iterable[str]) -> str:
     """Figures side by side, as many as there is room for."""
-    return f'<div class="grid{" wide" if wide else ""}">{"".join(figures)}</div>'
+    return f'<div class="grid">{"".join(figures)}</div>'
 
 
 def escaped(text: str) -> str:
@@ -211,11 +209,6 @@ def listing(heading: str, lines: Iterable[str]) -> str:
     """List of plain text under a heading; nothing without a line."""
     entries = "".join(f"<li>{escaped(line)}</li>" for line in lines)
     return f"<h2>{heading}</h2><ul>{entries}</ul>" if entries else ""
-
-
-def scenario(segment: Segment) -> tuple[str, str]:
-    """Summary and JSON of the scenario of a segment, for `details`."""
-    return f"Scenario from {segment.start_ns} ns on", segment.to_json()
 
 
 def details(summary: str, content: str) -> str:

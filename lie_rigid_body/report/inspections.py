@@ -17,7 +17,6 @@ from lie_rigid_body.inspection.inspection import READINGS
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
-from lie_rigid_body.report.recorded_motion import extremes
 from lie_rigid_body.runs import Run
 from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
 from lie_rigid_body.sensors.allan import allan, density
@@ -66,7 +65,7 @@ def parts_of_inspection(found: Inspection) -> Parts:
             ],
             "Parameters of the sensors, repaired",
         ),
-        Picture(lambda: html_page.grid([*_curves(found), *_allan_deviations(found), *_fields(found)], wide=True)),
+        Picture(lambda: html_page.grid([*_curves(found), *_allan_deviations(found), *_fields(found)])),
     ]
 
 
@@ -149,8 +148,7 @@ def _draw_readings(
 ) -> None:
     t_s = (t_ns - begin_ns) / 1e9
     for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
-        kept = extremes(t_s, values, 1000)
-        axes.plot(t_s[kept], values[kept], color=colour, lw=0.8, label=name)
+        axes.plot(t_s, values, color=colour, lw=0.8, label=name)
     for mark in marks:
         colour, alpha, shade = _SHADES.get(mark.text, _BROKEN)
         ends = ((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns))

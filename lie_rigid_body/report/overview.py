@@ -15,10 +15,6 @@ from lie_rigid_body.report.answer import Conclusion, Parts, Sentences, Table
 from lie_rigid_body.system import console
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
-_MAX_TOLD: Final = 10
-"""Number of things that are not certified of which the answer tells."""
-MAX_MESSAGES: Final = 100
-"""Largest number of broken laws that are told in words."""
 
 
 @short_dataclass
@@ -73,7 +69,6 @@ def _parts(verdicts: Verdicts) -> Parts:
     passed = all(verdict.status == console.SUCCESS for verdict in verdicts)
     judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
     broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
-    more = len(broken) - MAX_MESSAGES
     marked = {number for number, verdict in enumerate(verdicts) if verdict.status != console.SUCCESS}
     return [
         Conclusion([_summary(verdicts)], passed),
@@ -82,7 +77,7 @@ def _parts(verdicts: Verdicts) -> Parts:
             [_cells(verdict) for verdict in verdicts],
             marked=marked,
         ),
-        Sentences(broken if more <= 0 else [*broken[:MAX_MESSAGES], f"and {more} more"], "Broken laws"),
+        Sentences(broken, "Broken laws"),
         Sentences(uncovered(verdicts), "Not certified, besides what is not of any bag"),
         Sentences([verdict.reason for verdict in verdicts if verdict.certificate is None], "Not judged"),
     ]
@@ -110,13 +105,14 @@ def _cells(verdict: Verdict) -> tuple[str, ...]:
     samples = sum(segment.samples for segment in certificate.segments)
     # that came nearest to its limit, or went farthest beyond
     worst = max(certificate.laws, key=lambda law: (not law.holds, law.share))
+    share = f"{worst.share:.2g}" if worst.limit or worst.holds else f"{worst.worst:.2g} of 0"
     accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
-    of_limit = certificates.of_limit(worst.worst, worst.limit)
-    return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, of_limit, verdict.name
+    return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, share, verdict.name
 
 
 def _summary(verdicts: Verdicts) -> str:
-    number = counted(len(verdicts), "bag") if kind_of(verdicts) == "bags" else f"{len(verdicts)} bodies"
+    are_bodies = any(verdict.body is not None for verdict in verdicts)
+    number = f"{len(verdicts)} bodies" if are_bodies else counted(len(verdicts), "bag")
     right = [
         verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate and not verdict.status
     ]
@@ -129,11 +125,6 @@ def _summary(verdicts: Verdicts) -> str:
         f"NOT CERTIFIED: of {number} {len(right)} are certified, "
         f"{counts[console.BROKEN]} broken, {counts[console.UNUSABLE]} unusable."
     )
-
-
-def kind_of(verdicts: Verdicts) -> str:
-    """Noun in the plural for what the verdicts are on."""
-    return "bodies" if any(verdict.body is not None for verdict in verdicts) else "bags"
 
 
 def uncovered(verdicts: Verdicts) -> list[str]:
@@ -150,5 +141,4 @@ def uncovered(verdicts: Verdicts) -> list[str]:
         if len(bags) == 1:
             where = printable(first.bag if others else first.name)
         lines.append(f"{text} ({where})")
-    more = len(lines) - _MAX_TOLD
-    return lines if more <= 0 else [*lines[:_MAX_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
+    return lines

@@ -21,11 +21,6 @@ from lie_rigid_body.simulation import Segment
 
 POLHODE_POINTS: Final = 20_000
 """Largest number of points of a polhode."""
-MAX_RESETS: Final = 12
-"""Largest number of resets that are drawn as lines through the curves."""
-COLUMNS: Final = 1000
-"""Number of intervals of time of a curve, each of which is drawn by its smallest and its largest value."""
-
 _STEP: Final = 0.05
 """Turn from one point of a path to the next, rad, where the samples are as near."""
 _FAR: Final = 1e3
@@ -94,7 +89,7 @@ class ResidualsOverTime(Watch):
     """The largest residuals and limits of each law in pieces of the blocks in which samples come: a `Watch`."""
 
     def __init__(self) -> None:
-        self._pieces: dict[str, list[tuple[Integers, Array]]] = {}
+        self.pieces: dict[str, list[tuple[Integers, Array]]] = {}
 
     def __call__(self, name: str, unit: str, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
         """Take the residuals of a law for the samples that come next, not negative, NaN for broken."""
@@ -103,16 +98,11 @@ class ResidualsOverTime(Watch):
             sizes = np.where(np.isnan(residuals), np.inf, residuals)
             of_each = np.stack(np.broadcast_arrays(sizes, limits, ~(residuals <= limits)))
             largest = np.maximum.reduceat(of_each, first, axis=1)
-            self._pieces.setdefault(name, []).append((stamps_ns[first], largest))
-
-    @property
-    def laws(self) -> set[str]:
-        """Names of the laws."""
-        return {*self._pieces}
+            self.pieces.setdefault(name, []).append((stamps_ns[first], largest))
 
     def series(self, name: str, origin_ns: int) -> tuple[Array, Array, Array, Booleans]:
         """Times at which the pieces of a law begin, s since a stamp, residuals, limits, and which are broken."""
-        stamps_ns, largest = (np.concatenate(each, axis=-1) for each in zip(*self._pieces[name], strict=True))
+        stamps_ns, largest = (np.concatenate(each, axis=-1) for each in zip(*self.pieces[name], strict=True))
         order = np.argsort(stamps_ns, kind="stable")
         residuals, limits, broken = largest[:, order]
         return np.asarray((stamps_ns[order] - origin_ns) * 1e-9), residuals, limits, broken > 0.0
@@ -132,34 +122,6 @@ def in_words(scenario: Scenario) -> str:
 def times(stamps_ns: Integers, pieces: Pieces) -> Array:
     """Times since the first sample of a recording, s."""
     return np.asarray((stamps_ns - pieces[0].stamps_ns[0]) * 1e-9, dtype=np.float64)
-
-
-def reset_times(pieces: Pieces) -> Array:
-    """Times of the resets since the first sample of a recording, s."""
-    return times(np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64), pieces)
-
-
-def extremes(t: Array, values: Array, columns: int = COLUMNS) -> Integers:
-    """Places of the smallest and the largest value in each of some intervals of time; all places where there are few.
-
-    Parameters
-    ----------
-    t, values : ndarray, shape (N,)
-        Rising times, and finite values.
-    columns : int, optional
-        Number of the intervals, all of one length.
-
-    Returns
-    -------
-    ndarray of int64, shape (M,)
-        Rising; at most two for each interval.
-    """
-    if len(t) <= 2 * columns:
-        return np.arange(len(t))
-    column = ((t - t[0]) * (columns / (t[-1] - t[0]))).astype(np.int64)
-    order = np.lexsort((values, column))
-    first = np.flatnonzero(np.diff(column[order], prepend=-1))
-    return np.union1d(order[first], order[np.append(first[1:], len(t)) - 1])
 
 
 @np.errstate(invalid="ignore", over="ignore")  # recorded numbers may be anything
@@ -222,9 +184,3 @@ class Ellipsoid:
         u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 61), np.linspace(0, np.pi, 31))
         sphere = np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
         return np.asarray(self.radii[:, np.newaxis, np.newaxis] * sphere)
-
-    def principal_circles(self) -> Array:
-        """Sections with the three principal planes, shape (3, 181, 3)."""
-        angle = np.linspace(0, 2 * np.pi, 181)
-        ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        return np.asarray(self.radii * np.stack([np.insert(ring, plane, 0.0, axis=-1) for plane in range(3)]))

@@ -16,14 +16,12 @@ from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE, draw_curve, finish
 from lie_rigid_body.report.recorded_motion import (
     EYE,
-    MAX_RESETS,
     POLHODE_POINTS,
     VIEW,
     Ellipsoid,
     Pieces,
     RecordedSegment,
     in_words,
-    reset_times,
     times,
 )
 from lie_rigid_body.scenario.arcs import arc_changes, largest_of_arcs
@@ -93,10 +91,9 @@ def _draw_curves(figure: Any, pieces: Pieces) -> None:
 
 
 def draw_resets(axes: Axes, pieces: Pieces) -> None:
-    """Draw a line at each reset; many are short marks at the upper edge."""
-    resets = reset_times(pieces)
-    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
-    axes.vlines(resets, lowest, 1.0, transform=axes.get_xaxis_transform(), color="black", **look)
+    """Draw a mark at the upper edge for each reset."""
+    starts = np.array([piece.segment.start_ns for piece in pieces[1:]], dtype=np.int64)
+    axes.vlines(times(starts, pieces), 0.92, 1.0, transform=axes.get_xaxis_transform(), color="black", lw=0.8)
 
 
 def _draw_vectors(axes: Axes, pieces: Pieces, of: Callable[[RecordedSegment], Array], symbol: str, label: str) -> None:
@@ -148,9 +145,9 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
     ellipsoid = Ellipsoid(found.radii / 10.0**power, found.polhode / 10.0**power)
     axes.view_init(*VIEW)
     axes.set_proj_type("ortho")
-    axes.plot_surface(*ellipsoid.surface(), color=SURFACE, alpha=0.5, linewidth=0, antialiased=False, shade=False)
-    for circle in ellipsoid.principal_circles():
-        axes.plot(*circle.T, color=FRAME, lw=0.7)
+    surface = ellipsoid.surface()
+    axes.plot_surface(*surface, color=SURFACE, alpha=0.5, linewidth=0, antialiased=False, shade=False)
+    axes.plot_wireframe(*surface, rstride=15, cstride=15, color=FRAME, lw=0.7)  # sections with the principal planes
     facing = (ellipsoid.polhode / ellipsoid.radii**2) @ EYE >= 0.0
     for part, alpha in ((facing, 1.0), (~facing, 0.3)):  # faint behind, as the renderer sorts no lines by depth
         axes.plot(*np.where(part, ellipsoid.polhode.T, np.nan), color=RED, lw=2.6, alpha=alpha, zorder=10)
@@ -176,8 +173,7 @@ def _label_axes(axes: Axes3D, radii: Array, unit: str) -> None:
 def _title(pieces: Pieces, whose: str) -> str:
     scenario = pieces[0].segment.scenario
     count = len(pieces) - 1
-    marks = "dashed" if count <= MAX_RESETS else "marks above"
-    resets = f", {counted(count, 'reset')} ({marks})" if count else ""
+    resets = f", {counted(count, 'reset')} (marks above)" if count else ""
     samples = counted(sum(len(piece.samples) for piece in pieces), "sample")
     others = "".join(f"\n{name}: {phrase}" for name, phrase in facts(scenario).items())
     return f"{whose}{in_words(scenario)}\n{samples} at {scenario.rate:g} Hz{resets}{others}"

@@ -53,7 +53,6 @@ _ARGUMENTS: Final = (
         help="an MCAP file, or a folder that 'ros2 bag record' made; a trajectory, which is the truth: TUM, EuRoC or "
         "t_ns,x,y,z,w; or a log of sensors, with an ESTIMATOR",
     ),
-    *ESTIMATOR,
     argument(
         "--estimate",
         metavar="TOPIC|FILE",
@@ -127,7 +126,11 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     """
     own, ros = split_ros_arguments(argv)
     parser = Parser(
-        "evaluate", "Score and diagnose an attitude estimate against the truth.", *_ARGUMENTS, epilog=_EPILOG
+        "evaluate",
+        "Score and diagnose an attitude estimate against the truth.",
+        *_ARGUMENTS,
+        either=ESTIMATOR,
+        epilog=_EPILOG,
     )
     given = parser.parse_args(own, argparse.Namespace(ros=ros))
     live = given.run is None

@@ -17,7 +17,7 @@ from lie_rigid_body.evaluation.statistics import MAX_SETTLED_DEG, MIN_LIMIT, Lim
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
-from lie_rigid_body.report.answer import Conclusion, Details, Parts, Picture, Sentences, Table
+from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, draw_curve, finish, label, png
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 _MAX_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
-"""Ratio of the largest error to the median above which the axis is logarithmic, and of a limit that is far beyond."""
+"""Ratio of the largest error to the median above which the axis is logarithmic."""
 
 
 def as_text(score: Score) -> str:
@@ -67,7 +67,6 @@ def parts(read: RecordedEstimate | None, score: Score) -> Parts:
         _findings(score),
         Sentences([*(note.message for note in score.notes), *(read.notes if read else ())], "Notes"),
         Sentences([f"{extent(read, score)}.", f"{_SOURCE}."]),
-        *(Details(*html_page.scenario(segment)) for segment in (read.motion.segments if read else ())),
     ]
 
 
@@ -306,10 +305,9 @@ def _draw_total(axes: Axes, score: Score) -> None:
     rms = score.limits.max_rms_deg
     limits = [] if rms is None else [(0.0, rms, ":", f"limit {rms:g}° rms")]
     limits += [(start, limit, "-", f"limit {limit:g}° from {start:g} s") for start, limit in score.limits.max_after]
-    low, high = _scale(axes, drawn, [limit for _, limit, _, _ in limits])
     for start, limit, style, name in limits:
-        where = ", far above" if limit > high else ", far below" if limit < low else ""
-        axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=f"{name}{where}")
+        axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=name)
+    _scale(axes, [*drawn, *(np.array([limit]) for _, limit, _, _ in limits)])
     if score.time_to_converge_s:
         axes.axvline(score.time_to_converge_s, color=GREEN, lw=1.0, ls="--", label="settled")
 
@@ -337,22 +335,13 @@ def _draw_bias(axes: Axes, first_ns: int, bias: BiasEstimate) -> None:
         draw_curve(axes, t_s, truth, colour, f"true {name}", ls="--")
 
 
-def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) -> tuple[float, float]:
-    """Choose the scale and the range of an axis of errors, and return its ends.
-
-    Several curves, or one and limits, may be of any sizes: they have a logarithmic axis. The range is that of the
-    curves, so that no limit flattens them: the legend alone tells of one that is far beyond.
-    """
+def _scale(axes: Axes, curves: Sequence[Array]) -> None:
+    """Choose the scale and the range of an axis of errors: several curves or limits may be of any sizes."""
     top = max(float(curve.max()) for curve in curves)
     positive = [curve[curve > 0.0] for curve in curves if (curve > 0.0).any()]
     wide = top > _WIDE_SPAN * float(np.median(curves[0])) > 0.0
-    if not positive or not (wide or limits or len(curves) > 1):
-        high = 1.05 * top or 1.0
-        axes.set_ylim(0.0, high)
-        return 0.0, high
-    bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * top)
-    near = [limit for limit in limits if bottom / _WIDE_SPAN <= limit <= _WIDE_SPAN * top]
-    low = min([bottom, *near]) / 1.5
-    high = max([top, *near]) * 1.5
-    axes.set(yscale="log", ylim=(low, high))
-    return low, high
+    if positive and (wide or len(curves) > 1):
+        bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * top)
+        axes.set(yscale="log", ylim=(bottom / 1.5, 1.5 * top))
+    else:
+        axes.set_ylim(0.0, 1.05 * top or 1.0)

@@ -17,7 +17,7 @@ from campaigns import NEEDS_PARQUET, written
 
 from lie_rigid_body import Estimate, InputError
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary, Point, _fixed_constants, compare
+from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary, Point, compare
 from lie_rigid_body.campaign.definition import EstimatorSpec
 from lie_rigid_body.campaign.results import Results
 from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, Row, _bias_series, _run_score
@@ -280,18 +280,6 @@ def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder:
     again = [replace(row, parameters={**row.parameters, "sensor_seed": row.run // 2}) for row in rows]
     assert not compare(campaign, again).independent
     assert compare(campaign, rows).independent
-
-
-def test_constants_that_no_run_draws_anew_are_told(comparison: Comparison, folder: Path, said: list[str]) -> None:
-    """EnsembleConsistency over runs is that of a filter which counts them as unknown only where they are drawn."""
-    names = ("gyro_scale_factor", "gyro_misalignment", "accelerometer_misalignment", "magnetometer_hard_iron")
-    assert set(comparison.fixed_constants) == set(names)
-    told = " ".join(" ".join(said).split())
-    assert [name for name in names if name not in told] == []
-    assert "magnetometer_hard_iron " in (folder / "page.html").read_text()
-    campaign = Campaign.from_table(folder / "out" / "runs.parquet")
-    drawn = SimpleNamespace(scenario_of=campaign.scenario_of, vary=names[1:])
-    assert [*_fixed_constants(cast(Any, drawn))] == [names[0]]
 
 
 def test_a_best_point_at_the_edge_of_a_grid_is_told(said: list[str]) -> None:

@@ -83,7 +83,7 @@ def test_a_page_tells_what_of_its_bags_is_not_certified(tmp_path, capsys):
     two, page = tmp_path / "two.mcap", tmp_path / "page.html"
     merged(two, renamed=("/b/imu/data_raw", "/b/imu/raw"), late_ns=1000, a=good, b=with_imu)
     assert answer(capsys, two, "--report", page)[0] == 0
-    assert re.search(rf"<li>.*/b/imu/raw .*\({two}\)</li><li>imu/data_raw", page.read_text(encoding="utf-8"))
+    assert re.search(rf"<li>.*/b/imu/raw, .*\({two}\)</li><li>imu/data_raw", page.read_text(encoding="utf-8"))
 
 
 def deadly(inertia, topics, bag):

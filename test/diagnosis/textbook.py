@@ -295,7 +295,8 @@ def triad_with_deviations(run: Any) -> Any:
 
     estimate = triad_with_covariance(run)
     values, vectors = np.linalg.eigh(estimate.covariance)
-    return replace(estimate, covariance=vectors * np.sqrt(values.clip(0.0)) @ vectors.T)
+    scaled = vectors * np.sqrt(values.clip(0.0))[:, np.newaxis]
+    return replace(estimate, covariance=scaled @ np.swapaxes(vectors, 1, 2))
 
 
 def triad_for_the_body(run: Any) -> Any:

@@ -62,8 +62,11 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     pieces = recorded_segments(read_bag(bag))
     body, start = pieces[0].segment.scenario.body(), pieces[0].segment.scenario.start()
     ellipsoid: Any = Ellipsoid.of(pieces[0], 50)
-    for of_picture in (ellipsoid.surface().reshape(3, -1).T, ellipsoid.principal_circles().reshape(-1, 3)):
-        np.testing.assert_allclose(0.5 * of_picture**2 @ body.principal_moments, body.kinetic_energy(start), rtol=1e-9)
+    surface = ellipsoid.surface()
+    energies = 0.5 * surface.reshape(3, -1).T ** 2 @ body.principal_moments
+    np.testing.assert_allclose(energies, body.kinetic_energy(start), rtol=1e-9)
+    for section in (surface[0, :, 15], surface[1, :, 30], surface[2, 15]):  # as the wire frame has them
+        assert np.abs(section).max() < 1e-15 * ellipsoid.radii.max()
     polhode: Any = draw(pieces).axes[3]
     paths = [line for line in polhode.get_lines() if line.get_linewidth() > 2]
     assert sum(int(np.sum(~np.isnan(line.get_data_3d()[0]))) for line in paths) == len(path(pieces[0], POLHODE_POINTS))
@@ -140,7 +143,7 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets):
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
     heights = [np.ptp(path[:, 1]) for path in marks.get_segments()]
     assert len(heights) == resets
-    assert max(heights) <= (1.0 if resets == 2 else 0.06)
+    assert max(heights) <= 0.1
 
 
 def segments(tmp_path, *counts: int) -> list:
@@ -248,9 +251,9 @@ def test_to_watch_changes_nothing_and_sees_the_worst(two_segments):
     recording, watch = read_bag(two_segments), ResidualsOverTime()
     certificate = certify(recording, watch=watch)
     assert certificate == certify(recording)
-    assert set(watch.laws) == {law.name for law in certificate.segments[0].laws} - {"stamps"}
+    assert set(watch.pieces) == {law.name for law in certificate.segments[0].laws} - {"stamps"}
     for law in certificate.laws:
-        if law.name in watch.laws:
+        if law.name in watch.pieces:
             t, largest, _, broken = watch.series(law.name, 0)
             assert largest.max() == law.worst == max(s.law(law.name).worst for s in certificate.segments)
             assert not broken.any()

@@ -164,7 +164,7 @@ def test_a_page_fits_a_screen_and_the_dark(run: Any, tmp_path: Path) -> None:
     ("degrees", "limits"),
     sampled(product([1e-4, 3.0, 100.0], [None, Limits(2.0), Limits(170.0, ((1.0, 1e-3),))]), every=4),
 )
-def test_no_bound_and_no_limit_flattens_the_errors(run: Any, degrees: float, limits: Limits | None) -> None:
+def test_errors_bound_and_limits_are_all_in_the_picture(run: Any, degrees: float, limits: Limits | None) -> None:
     score: Any = off_by(run, degrees, limits)
     total, parts, *_ = score.plot().axes
     assert (total.get_yscale(), parts.get_yscale()) == ("log", "linear")
@@ -172,14 +172,11 @@ def test_no_bound_and_no_limit_flattens_the_errors(run: Any, degrees: float, lim
     best = score.best.filtered_deg
     assert low < min(best.min(), np.degrees(score.error.total).min())
     assert high > max(best.max(), np.degrees(score.error.total).max())
-    decades = np.log10(high / low)
-    own = np.log10(max(best.max(), score.total_deg.max) / min(best.min(), np.degrees(score.error.total).min()))
-    assert decades < own + 3.5  # a limit makes room for itself only where it is near
     names = [text.get_text() for text in total.get_legend().get_texts()]
     told: Any = [] if limits is None else [limits.max_rms_deg, *(limit for _, limit in limits.max_after)]
     for limit in told:
-        [name] = [name for name in names if f" {limit:g}°" in name]
-        assert (", far " in name) == (not low <= limit <= high)
+        assert low < limit < high
+        assert any(f" {limit:g}°" in name for name in names)
 
 
 def test_the_biases_of_a_gyro_are_drawn_beside_the_true_ones(run: Any) -> None:

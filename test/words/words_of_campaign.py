@@ -257,5 +257,5 @@ SAID = [
     lambda: pairs("abcd", 7),
     lambda: compared(summaries=[summary(bias_claimed_exact=3)]),
     lambda: compared(bound=BEST, summaries=[summary(scores=TWICE)]),
-    lambda: compared(has_covariances=True, summaries=[summary(covariance=HONEST)], fixed_constants=["gyro_scale"]),
+    lambda: compared(has_covariances=True, summaries=[summary(covariance=HONEST)]),
 ]
