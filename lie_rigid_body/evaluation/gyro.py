@@ -24,8 +24,8 @@ LONGEST_S: Final = 10.0
 PARTS: Final = 10
 """Number of successive parts of the readings of which the jackknife leaves out one."""
 ALIKE: Final = 1.6
-"""Ratio of misfits up to which two fits are alike: rotations about one axis fit with either sign of the gyro, and
-motions that recur with several delays, of which the shortest is taken."""
+"""Ratio of misfits up to which two fits are alike. Rotations about one axis fit with either sign of the gyro. Motions
+that recur fit with several delays, of which the shortest is taken."""
 MAX_VALLEYS: Final = 10
 """Largest number of delays that are refined."""
 TRUTH_STEP: Final = 0.5
