@@ -15,7 +15,7 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
-from lie_rigid_body.evaluation.matched import MIN_KNOWN, spread
+from lie_rigid_body.evaluation.matched import MIN_KNOWN, spread, valleys
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.parameters import NS
 
@@ -23,13 +23,16 @@ LONGEST_S: Final = 10.0
 """Largest difference of the clocks that is looked for, s."""
 PARTS: Final = 10
 """Number of successive parts of the readings of which the jackknife leaves out one."""
-MIRRORED: Final = 1.6
-"""Ratio of the misfits from which the gyro has the opposite sign: rotations about one axis fit with either."""
+ALIKE: Final = 1.6
+"""Ratio of misfits up to which two fits are alike. Rotations about one axis fit with either sign of the gyro. Motions
+that recur fit with several delays, of which the shortest is taken."""
+MAX_VALLEYS: Final = 10
+"""Largest number of delays that are refined."""
 TRUTH_STEP: Final = 0.5
 """Rotation in the short times over which gyro and truth are compared, rad: it outweighs the noise of cameras."""
 TRUTH_PARTS: Final = 4
 """Number of their parts: what does not commute in them is a sixteenth of what it is in the whole."""
-MAX_TRUTH_STEPS: Final = 1000
+MAX_TRUTH_STEPS: Final = 400
 """Largest number of such times."""
 
 
@@ -62,7 +65,7 @@ class _Steps(NamedTuple):
     truth: Truth
 
     def known(self, late_s: float) -> Booleans:
-        """Where the truth is known at a delay of its clock."""
+        """Mask of the steps whose truth is known at a delay of its clock."""
         return np.asarray(self.truth.covers(self.times_ns + round(late_s * NS)).all(axis=0))
 
     def fitted(self, late_s: float) -> GyroFit:
@@ -81,7 +84,7 @@ class _Steps(NamedTuple):
             factor = float(np.sum(turned * true) / np.sum(own * own))
             misfit = float(np.sqrt(np.sum((true - factor * turned) ** 2) / np.sum(true**2)))
             fits.append(GyroFit(late_s, mounting.as_quat(), factor, misfit))
-        return fits[fits[0].misfit > MIRRORED * fits[1].misfit]
+        return fits[fits[0].misfit > ALIKE * fits[1].misfit]
 
     def best_near(self, late_s: float, reach_s: float) -> GyroFit:
         """The best fit at delays up to a distance, s."""
@@ -89,7 +92,7 @@ class _Steps(NamedTuple):
             lambda late: self.fitted(late).misfit,
             bounds=(late_s - reach_s, late_s + reach_s),
             method="bounded",
-            options={"xatol": 1e-5},
+            options={"xatol": 5e-5},
         )
         return self.fitted(float(found.x))
 
@@ -131,6 +134,9 @@ def compare_with_truth(t_ns: Integers, rate: Array, truth: Truth) -> tuple[GyroF
     step_s = t_s[width] / 2.0
     lates = np.arange(-LONGEST_S, LONGEST_S + step_s, step_s)
     known = np.array([np.count_nonzero(steps.known(late)) for late in lates])
-    start = min(lates[known >= MIN_KNOWN * known.max()], key=lambda late: steps.fitted(late).misfit)
-    fit = steps.best_near(start, 2.0 * step_s)
+    lates = lates[known >= MIN_KNOWN * known.max()]
+    likely = valleys(np.array([steps.fitted(late).misfit for late in lates]))[:MAX_VALLEYS]
+    fits = [steps.best_near(late, 2.0 * step_s) for late in lates[likely]]
+    least = min(each.misfit for each in fits)
+    fit = min((each for each in fits if each.misfit <= ALIKE * least), key=lambda each: abs(each.late_s))
     return fit, steps.standard_errors(fit, 2.0 * step_s)

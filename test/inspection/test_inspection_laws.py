@@ -7,9 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import Run, inspect, simulate
-from lie_rigid_body.inspection.explanations import axes_of, axes_repairs
+from lie_rigid_body.inspection.explanations import SensorExplanation, SensorRepair, axes_of, axes_repairs, judged
 from lie_rigid_body.inspection.minimum import minimum
 from lie_rigid_body.inspection.rule import RIGHT, TURNS
+from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import Vector, gram, integrated
 
 T_S = np.arange(6000) / 100.0
@@ -65,6 +66,26 @@ def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
         "accelerometer_axes",
         "magnetometer_axes",
     ]
+
+
+def explained(*codes: str, ratio: float, late: tuple[str, ...] = ()) -> SensorExplanation:
+    """An explanation by repairs of the gyro, of a vector that nobody measured."""
+    repairs = tuple(SensorRepair(code, "gyro") for code in codes)
+    return SensorExplanation(repairs, late, RIGHT, {}, (Fitting(None, RIGHT, 0, 0.0, ratio),))  # type: ignore[arg-type]
+
+
+def test_fewer_repairs_that_are_not_excluded_leave_it_open() -> None:
+    """Nothing at a ratio of 2.2 is not excluded, whatever else fits with a delay and no repair."""
+    late = explained(ratio=2.2, late=("magnetometer",))
+    verdict = judged([explained(ratio=2.2), late, explained("time_step", ratio=1.3)])
+    assert (verdict.named, verdict.fewer) == ((), True)
+    assert [repair.code for repair in verdict.undecided] == ["time_step"]
+
+
+def test_what_fits_as_well_by_as_few_repairs_is_told_beside() -> None:
+    verdict = judged([explained("gyro_units", ratio=1.1), explained("time_step", ratio=1.0)])
+    assert [repair.code for repair in verdict.named] == ["gyro_units"]
+    assert [[repair.code for repair in each] for each in verdict.or_else] == [["time_step"]]
 
 
 def test_newton_finds_the_minimum_of_a_parabola() -> None:

@@ -74,6 +74,13 @@ def test_a_gyro_alone_is_judged_by_the_truth(hand: Run, factor: float, code: str
     assert mistake.repair.startswith(repair)
 
 
+def test_a_gyro_alone_in_degrees_is_undone_by_the_truth(hand: Run, tmp_path: Path) -> None:
+    readings = np.column_stack([hand.imu.t_ns, np.degrees(hand.imu.gyro)])
+    np.savetxt(tmp_path / "gyro.csv", readings, delimiter=",", header="t_ns,wx,wy,wz", comments="", fmt="%.17g")
+    found = inspect(Run.from_log(tmp_path / "gyro.csv", truth=(hand.t_ns, hand.truth.attitude_xyzw)))
+    assert np.allclose(found.repaired().imu.gyro, hand.imu.gyro, rtol=1e-9)
+
+
 @pytest.mark.slow
 def test_the_attitude_of_another_body_is_undecided(hand: Run) -> None:
     other = simulate(duration=40.0, initial_body_rate=[0.3, 0.2, 1.0])
