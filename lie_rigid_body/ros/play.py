@@ -39,6 +39,10 @@ def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | 
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
                 require_ros()
+                if "zenoh" in os.environ.get("RMW_IMPLEMENTATION", ""):
+                    raise LieRigidBodyError(
+                        "needs DDS, in which it has a domain without other nodes: unset RMW_IMPLEMENTATION"
+                    )
                 with _started(estimator.command, output) as require_alive:
                     from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
 

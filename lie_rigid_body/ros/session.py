@@ -53,9 +53,13 @@ OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
 _REMEDIES: Final = {
     r"log directory|\.log for writing": "name a folder that can be written as ROS_LOG_DIR",
     "(?i)security": "mend the keys in ROS_SECURITY_KEYSTORE, or set ROS_SECURITY_ENABLE to false",
+    "Zenoh router": "start one, rmw_zenohd of rmw_zenoh_cpp",
     "peer": "name machines that are known as ROS_STATIC_PEERS",
 }
 """Remedies for refusals of ROS, by words of their messages."""
+_MIDDLEWARE: Final = {"RMW_FASTRTPS_PUBLICATION_MODE": "ASYNCHRONOUS", "ZENOH_ROUTER_CHECK_ATTEMPTS": "5"}
+"""Settings where the user has none. Fast DDS sends in a thread of its own: else a subscriber that is frozen holds a
+publisher up for two seconds. Zenoh looks for its router for 5 s, and not for ever."""
 
 
 @contextmanager
@@ -73,8 +77,8 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
         If ROS does not understand them.
     """
     _require_short_name(arguments)
-    # Fast DDS sends in a thread of its own: else a subscriber that is frozen holds a publisher up for two seconds
-    os.environ.setdefault("RMW_FASTRTPS_PUBLICATION_MODE", "ASYNCHRONOUS")
+    for name, value in _MIDDLEWARE.items():
+        os.environ.setdefault(name, value)
     with translated_errors(" ".join(arguments) or "to start"):
         # what rcl logs of bad arguments is in the exception as well
         set_logger_level(_RCL, LoggingSeverity.FATAL)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -62,7 +64,7 @@ def test_the_wheel_and_the_sources_are_tried_on_every_python_and_system() -> Non
     of = jobs(ROOT / ".github" / "workflows" / "build.yml")
     for name in ("wheel", "source-distribution"):
         assert of[name]["needs"] == "distributions"
-        assert of[name]["strategy"]["matrix"]["python"] == [f"3.{minor}" for minor in range(int(oldest), 14)]
+        assert of[name]["strategy"]["matrix"]["python"] == [f"3.{minor}" for minor in range(int(oldest), 15)]
         systems = {system.partition("-")[0] for system in of[name]["strategy"]["matrix"]["system"]}
         assert systems == {{"Linux": "ubuntu", "MacOS": "macos", "Windows": "windows"}[system] for system in named}
         assert any("scripts/try_installed.py" in step.get("run", "") for step in of[name]["steps"])
@@ -80,10 +82,25 @@ def test_only_what_was_built_and_tried_is_published_and_without_a_secret() -> No
 
 def test_a_workflow_does_in_the_container_of_ros_what_users_do() -> None:
     [job] = jobs(ROOT / ".github" / "workflows" / "ros.yml").values()
-    assert job["container"] == "ros:jazzy"
+    assert job["container"] == "ros:${{ matrix.distribution }}"
+    assert {each["distribution"] for each in job["strategy"]["matrix"]["include"]} == {"jazzy", "lyrical"}
     commands = "\n".join(step.get("run", "") for step in job["steps"])
     wanted = ("rosdep install", "colcon build", "colcon test", "ros2 run", "ros2 bag record", "examples/filter_in_ci")
     assert [command for command in wanted if command not in commands] == []
+    libraries = re.findall(
+        r'^        "?([\w-]+)', SETUP[SETUP.index('"test": [') : SETUP.index("# The last brings")], re.M
+    )
+    installed = set(commands.split())
+    assert {"plotly", "pyarrow", "distributed", "python-flint"} <= installed
+    by_rosdep = {"setuptools", "wheel"}
+    assert [name for name in libraries if not name.isupper() and name not in installed | by_rosdep | {"f"}] == []
+
+
+def test_a_run_of_tests_without_a_test_fails() -> None:
+    """As colcon calls it good where pytest has collected nothing, which it says by a status of its own."""
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", __file__, "-k", "of_no_such_name"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stdout
 
 
 def test_workflows_run_tests_in_folders_that_exist() -> None:

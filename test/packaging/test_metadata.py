@@ -20,11 +20,11 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
 CHANGELOG = ROOT / "CHANGELOG.rst"
 # What rosdep cannot give to a package that is released, or what is used where it is installed.
-WITHOUT_KEY = {"distributed", "flint", "lz4", "mcap", "numba", "plotly", "pyarrow", "simulation_interfaces"}
-WITHOUT_KEY |= {"pandas", "zstandard"}
+WITHOUT_KEY = {"distributed", "flint", "lz4", "mcap", "plotly", "pyarrow", "simulation_interfaces"}
+WITHOUT_KEY |= {"zstandard"}
 WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
 FOR_TYPES_ALONE = {"_typeshed", "typing_extensions"}
-KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numpy", "scipy", "tqdm")}
+KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numba", "numpy", "pandas", "scipy", "tqdm")}
 KEY_OF |= {"mpl_toolkits": "python3-matplotlib", "yaml": "python3-yaml"}
 
 

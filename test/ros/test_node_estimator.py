@@ -251,3 +251,16 @@ def test_a_log_is_played_to_a_node_with_its_own_stamps_twice_the_same(tmp_path: 
     assert np.array_equal(first.attitude_xyzw, second.attitude_xyzw)
     simulated_answer = estimator(BlindRun.without_truth(true))
     assert np.array_equal(first.attitude_xyzw, simulated_answer.attitude_xyzw)
+
+
+def test_a_middleware_without_domains_of_its_own_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from lie_rigid_body.estimates.programs import NodeEstimator
+    from lie_rigid_body.ros import play
+
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")
+    for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOG_DIR"):  # which it sets in its own process
+        monkeypatch.setenv(name, os.environ.get(name, ""))
+    monkeypatch.setattr(play, "require_ros", lambda: None)
+    said = play.played(NodeEstimator("true", 1.0), [])
+    assert isinstance(said, str)
+    assert "DDS" in said

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess, sim_command
 
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.ros.sim import main
 from sampled import sampled
 
@@ -123,3 +124,19 @@ def test_a_change_of_pace_while_the_node_ends_is_refused_and_not_left_as_a_failu
                 result = peer.set_together(real_time_factor=2.0)
     assert not result.successful
     assert "never retrieved" not in capfd.readouterr().err
+
+
+def test_settings_of_the_middleware_are_those_of_the_user_where_there_are_any(
+    isolated_ros: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from lie_rigid_body.ros import session
+
+    monkeypatch.setenv("RMW_FASTRTPS_PUBLICATION_MODE", "SYNCHRONOUS")
+    monkeypatch.delenv("ZENOH_ROUTER_CHECK_ATTEMPTS", raising=False)
+    with session.initialised([]):
+        assert os.environ["RMW_FASTRTPS_PUBLICATION_MODE"] == "SYNCHRONOUS"
+        assert int(os.environ["ZENOH_ROUTER_CHECK_ATTEMPTS"]) > 0
+    monkeypatch.delenv("ZENOH_ROUTER_CHECK_ATTEMPTS")
+    with pytest.raises(InputError) as refused, session.translated_errors("to start"):
+        raise RuntimeError("failed to initialize rcl: Unable to connect to a Zenoh router after 5 retries., at x.c:1")
+    assert "rmw_zenohd" in str(refused.value)

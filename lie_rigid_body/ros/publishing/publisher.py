@@ -13,6 +13,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.utilities import get_rmw_implementation_identifier
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
@@ -34,6 +35,7 @@ CLOCK_DEPTH: Final = 6 * DEPTH
 """Messages of the clock kept: it has one for each time of the truth, of each sensor and of a fault."""
 LAST_CONFIRMATION_NS: Final = 100_000_000
 """Longest wait on each topic for subscribers to confirm the last samples when the node ends, ns."""
+ZENOH: Final = "rmw_zenoh_cpp"
 LAST_SENDING_NS: Final = NS
 """Longest wait for room for the last samples when the node ends, ns."""
 LATE_NS: Final = NS
@@ -56,6 +58,7 @@ class SamplePublisher(Sink):
     keep_all : bool, optional
         Whether reliable subscribers set the pace: every message is kept until all of them have confirmed it, and
         `ready` says when there is room for more. Otherwise a subscriber that hangs loses messages, and delays nobody.
+        So it is with rmw_zenoh, where such a history waits in `publish`, for ever and with all threads of Python.
     imu_last : bool, optional
         Whether a reading of the IMU follows all other messages of its time, as the bag has it before other sensors'.
 
@@ -82,7 +85,8 @@ class SamplePublisher(Sink):
     ) -> None:
         self._node = node
         self._imu_last = imu_last
-        self._history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
+        self._is_zenoh = get_rmw_implementation_identifier() == ZENOH
+        self._history = HistoryPolicy.KEEP_ALL if keep_all and not self._is_zenoh else HistoryPolicy.KEEP_LAST
         self._rest = deque[tuple[Publisher, bytes]]()
         self.publishers: dict[str, Publisher] = {}
         self._add(POSE, PoseStamped, self._quality())
@@ -165,6 +169,8 @@ class SamplePublisher(Sink):
         for topic, publisher in self.publishers.items():
             if topic not in (PRIVATE_SCENARIO, CLOCK):
                 publisher.wait_for_all_acked(Duration(nanoseconds=LAST_CONFIRMATION_NS))
+        if self._is_zenoh:  # which says at once that all is confirmed
+            time.sleep(LAST_CONFIRMATION_NS / NS)
 
 
 def clock_bytes(stamp_ns: int) -> bytes:

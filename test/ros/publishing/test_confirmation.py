@@ -48,3 +48,21 @@ def test_only_the_end_waits(publisher: SamplePublisher, monkeypatch: pytest.Monk
     assert waited == []
     publisher.close()
     assert [each.topic_name for each in waited] == ["/pose", "/twist"]
+
+
+def test_with_zenoh_no_history_keeps_all(publisher: SamplePublisher, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would wait in `publish`, with the lock of the interpreter, and no service would be answered."""
+    from rclpy.qos import HistoryPolicy
+
+    from lie_rigid_body.ros.publishing import publisher as module
+
+    found = {}
+    for name in ("rmw_fastrtps_cpp", module.ZENOH):
+        node = rclpy.create_node("keeping")
+        monkeypatch.setattr(module, "get_rmw_implementation_identifier", lambda name=name: name)
+        sensors = Scenario.from_parameters({}).sensors
+        made = SamplePublisher(node, stamped_twist=True, sensors=sensors, clock=True, keep_all=True)
+        topics = ("pose", "twist", "/clock")
+        found[name] = {made.publishers[topic].qos_profile.history for topic in topics}
+        node.destroy_node()
+    assert found == {"rmw_fastrtps_cpp": {HistoryPolicy.KEEP_ALL}, module.ZENOH: {HistoryPolicy.KEEP_LAST}}
