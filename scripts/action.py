@@ -13,7 +13,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 
@@ -66,11 +65,10 @@ def of_diagnosis(content: Any) -> Iterator[tuple[str, object]]:
 
 
 def of_rows(content: Any) -> Iterator[tuple[str, object]]:
-    """Median error of the filter over the cases, deg, where it has failed none, and its rank."""
+    """Error of the filter overall, deg, and its rank."""
     for row in content["rows"]:
-        errors = [result.get("total_deg") for result in row["results"].values()]
-        yield f"{row['filter']}: median (deg)", None if None in errors else median(errors)
-        yield f"{row['filter']}: rank", row["rank"]
+        yield f"{row['name']}: overall (deg)", row["overall"]
+        yield f"{row['name']}: rank", row["rank"]
 
 
 def table(found: dict[str, object], before: dict[str, object]) -> list[str]:

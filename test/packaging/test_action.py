@@ -58,9 +58,8 @@ def test_answers_of_the_other_verbs_have_their_tables() -> None:
         "| probe follows | failed | failed |  |",
         "| probe slow | | passed | gone |",
     ]
-    results = {"slow": {"total_deg": 1.0}, "fast": {"total_deg": 1.5}}
-    rows = {"rows": [{"filter": "mine", "results": results, "rank": 7}]}
-    assert dict(action.of_rows(rows)) == {"mine: median (deg)": 1.25, "mine: rank": 7}
+    rows = {"rows": [{"name": "mine", "overall": 1.25, "rank": 7}]}
+    assert dict(action.of_rows(rows)) == {"mine: overall (deg)": 1.25, "mine: rank": 7}
 
 
 def test_the_league_prints_what_the_action_reads(tmp_path: Path) -> None:
