@@ -136,9 +136,10 @@ def _curves(found: Inspection) -> Iterator[str]:
     there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
     begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
     for sensor, key, t_ns, readings in there:
-        codes = [mistake.code for mistake in found.mistakes if mistake.sensor in (sensor, key)]
+        names = sensor, key, "log"
+        codes = [mistake.code for mistake in found.mistakes if mistake.sensor in names]
         unit = "?" if f"{sensor}_units" in codes else SI[sensor]
-        marks = [mark for mark in found.marks if mark.sensor in (sensor, key, "log")]
+        marks = [mark for mark in found.marks if mark.sensor in names]
         draw = partial(_draw_readings, t_ns=t_ns, readings=readings, marks=marks, begin_ns=begin_ns, unit=unit)
         yield html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
 
