@@ -16,6 +16,7 @@ from lie_rigid_body.certificate.limits import CLOSED_FORM_ERROR
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor
+from lie_rigid_body.certificate.transforms import transforms
 from lie_rigid_body.foundation.arrays import as_double
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -194,6 +195,7 @@ def certify(
         results = _results(surveyor, of_sensors, max_attitude, watch)
         surveyed = surveyor.result()
         sensors = of_sensors.findings(surveyed)
+        of_frames = transforms(bag, surveyor.segments, max_attitude, watch)
         held = [results.get(found.place) or SegmentLaws(found.segment).results() for found in surveyed.segments]
     return Certificate(
         tuple(
@@ -207,10 +209,10 @@ def certify(
                 surveyed.segments, held, sensors.laws, sensors.notes, strict=True
             )
         ),
-        whole_bag.laws(bag, surveyed, sensors),
-        whole_bag.not_certified(bag, surveyed, sensors, inertia),
+        (*whole_bag.laws(bag, surveyed, sensors), *of_frames.laws),
+        whole_bag.not_certified(bag, surveyed, sensors, of_frames, inertia),
         sensors.topics,
-        whole_bag.uncovered(bag, surveyed, sensors, inertia),
+        whole_bag.uncovered(bag, surveyed, sensors, of_frames, inertia),
         _to_the_bit(bag, surveyed, held, sensors),
     )
 

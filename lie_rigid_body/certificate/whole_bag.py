@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
+from lie_rigid_body.certificate.transforms import TransformFindings
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
@@ -21,7 +22,8 @@ def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tup
     bag : Bag or Recording
     surveyed : Survey
     sensors : SensorFindings
-        Of the same bag.
+    frames : TransformFindings
+        Both of the same bag.
     """
     counts = surveyed.counts
     faults = [*_declaration_faults(bag, surveyed)]
@@ -70,7 +72,11 @@ def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]
 
 
 def not_certified(
-    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Sequence[float] | None = None
+    bag: Bag | Recording,
+    surveyed: Survey,
+    sensors: SensorFindings,
+    frames: TransformFindings,
+    inertia: Sequence[float] | None = None,
 ) -> tuple[str, ...]:
     """Parts of a bag that are not certified, in words.
 
@@ -79,7 +85,8 @@ def not_certified(
     bag : Bag or Recording
     surveyed : Survey
     sensors : SensorFindings
-        Of the same bag.
+    frames : TransformFindings
+        Both of the same bag.
     inertia : sequence of float, optional
         That which was used in place of the declared one, kg m².
     """
@@ -92,13 +99,17 @@ def not_certified(
         *(["the scale of the inertia, which no torque-free motion shows"] if motions != {"path"} else []),
         *_ends(bag, surveyed),
         *(["parameters of the sensors that no reading shows"] if has_sensors else []),
-        *uncovered(bag, surveyed, sensors, inertia),
+        *uncovered(bag, surveyed, sensors, frames, inertia),
         "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
     )
 
 
 def uncovered(
-    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Sequence[float] | None = None
+    bag: Bag | Recording,
+    surveyed: Survey,
+    sensors: SensorFindings,
+    frames: TransformFindings,
+    inertia: Sequence[float] | None = None,
 ) -> tuple[str, ...]:
     """Parts of a bag that are not certified, though a bag as its scenarios determine it has no such parts.
 
@@ -116,6 +127,7 @@ def uncovered(
         *([f"scenario messages that repeat another one: {repeated}"] if repeated else []),
         *([f"poses and twists without the other of their stamp: {alone}"] if alone else []),
         *sensors.not_certified,
+        *frames.not_certified,
         *bag.others,
     )
 

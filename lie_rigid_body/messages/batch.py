@@ -32,6 +32,7 @@ from lie_rigid_body.simulation import Samples, SensorSamples, SimulationStep
 POSE: Final = "pose"
 TWIST: Final = "twist"
 FAULTS_TOPIC: Final = "~/faults"
+TF_TOPIC: Final = "/tf"
 SENSOR_TOPICS: Final = {**SENSORS.topics, FAULTS_TOPIC: definitions.STRING}
 """Message types of the topics of all sensors, by their relative names.
 

@@ -12,8 +12,8 @@ from typing import Final
 
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TWIST
-from lie_rigid_body.messages.definitions import TWIST_STAMPED
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TF_TOPIC, TWIST
+from lie_rigid_body.messages.definitions import TF_MESSAGE, TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.mcap_contents import (
     McapContents,
@@ -30,9 +30,12 @@ from lie_rigid_body.recording.segments import UNNAMED
 from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, texts_on, the_body
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
+    AttitudeTrack,
     OfSensor,
     TakeReadings,
     TopicMessages,
+    attitudes_in,
+    decoding,
     require_cdr,
     topic_messages,
 )
@@ -285,6 +288,15 @@ class Bag(BagFacts):
                 count = 0
         yield waiting
 
+    def transforms(self) -> Iterator[AttitudeTrack]:
+        """The transforms on /tf, a part of the files at a time, those of each pair of frames apart."""
+        for track in filter(_is_of_transforms, self._contents.tracks.values()):
+            for found in self._contents.read({track.key}, self._progress):
+                if track.key in found:
+                    with decoding(self._path, track.topic, found[track.key]):
+                        parts = attitudes_in(track.topic, TF_MESSAGE, found[track.key])
+                    yield from parts.values()
+
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""
         return texts_on(self._path, self._contents, self._tracks[FAULTS_TOPIC])
@@ -346,11 +358,19 @@ def _is_scenario(text: str) -> bool:
     return True
 
 
+def _is_of_transforms(track: RawTopic) -> bool:
+    return (track.topic, track.message_type) == (TF_TOPIC, TF_MESSAGE)
+
+
 def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     """Contents of a bag besides some bodies, in words."""
     own = [track for body in known for track in body.tracks.values()]
     shared = {track.topic for track in own}
-    besides = [track for track in contents.tracks.values() if not any(track is each for each in own)]
+    besides = [
+        track
+        for track in contents.tracks.values()
+        if not _is_of_transforms(track) and not any(track is each for each in own)
+    ]
     topics = [
         f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
         "which the scenarios of the body do not determine"

@@ -286,7 +286,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     require_cdr(path, track)
     raw = contents.messages(track.key)
     with decoding(path, topic, raw):
-        found = _attitudes(topic, track.message_type, raw)
+        found = attitudes_in(topic, track.message_type, raw)
     if not found:
         raise BagError(f"{path}: the messages on {topic} are empty: record it while an estimator runs")
     told = listed([" to ".join(filter(None, each)) for each in found])
@@ -316,7 +316,7 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     BagError
         If they cannot be read.
     """
-    return _attitudes(topic, message_type, RawMessages.of_payloads([(0, payload) for payload in payloads]))
+    return attitudes_in(topic, message_type, RawMessages.of_payloads([(0, payload) for payload in payloads]))
 
 
 def vectors_of(message_type: str, payloads: Sequence[bytes]) -> tuple[Integers, Array]:
@@ -333,7 +333,8 @@ def vectors_of(message_type: str, payloads: Sequence[bytes]) -> tuple[Integers, 
     return read.stamps_ns, read.numbers[:, fields["angular_velocity" if message_type == IMU else "vector"]]
 
 
-def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:
+def attitudes_in(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:
+    """The attitudes in messages of a topic as they were read, by frame and child frame."""
     if message_type in _FRAMED:
         framed = _FRAMED[message_type]([payload for _, payload in found.payloads()])
         return {

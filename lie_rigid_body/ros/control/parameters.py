@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any, Final
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
@@ -98,9 +99,9 @@ class NodeParameters:
         node.add_pre_set_parameters_callback(_in_own_types)
         node.add_on_set_parameters_callback(self._judge)
         handlers: dict[type, Callable[[Any, Any], Any]] = {
-            DescribeParameters: self._describe,
-            GetParameterTypes: self._tell_types,
-            GetParameters: self._tell,
+            DescribeParameters: partial(_tell, "descriptors", node.describe_parameter),
+            GetParameterTypes: partial(_tell, "types", lambda name: node.get_parameter(name).type_.value),
+            GetParameters: partial(_tell, "values", lambda name: node.get_parameter(name).get_parameter_value()),
             ListParameters: self._list,
             SetParameters: self._set_each,
             SetParametersAtomically: self._set_together,
@@ -165,29 +166,16 @@ class NodeParameters:
         given = RosParameter.from_parameter_msg(change)
         return _as_ros(BY_NAME[name], BY_NAME[name].read(given.value)) if name in BY_NAME else given
 
-    def _describe(self, request: Any, response: Any) -> Any:
-        response.descriptors = _of_all(request.names, self._node.describe_parameter)
-        return response
-
-    def _tell(self, request: Any, response: Any) -> Any:
-        response.values = _of_all(request.names, lambda name: self._node.get_parameter(name).get_parameter_value())
-        return response
-
-    def _tell_types(self, request: Any, response: Any) -> Any:
-        response.types = _of_all(request.names, lambda name: self._node.get_parameter(name).type_.value)
-        return response
-
     def _list(self, request: Any, response: Any) -> Any:
         response.result = self._node.list_parameters(request.prefixes, request.depth)
         return response
 
 
-def _of_all(names: Iterable[str], told: Callable[[str], Any]) -> list[Any]:
-    """What is told of each parameter; nothing where one is not there or has no value, as rclpy has it."""
-    try:
-        return [told(name) for name in names]
-    except (ParameterNotDeclaredException, ParameterUninitializedException):
-        return []
+def _tell(field: str, told: Callable[[str], Any], request: Any, response: Any) -> Any:
+    """Answer with what is told of each parameter; with nothing where one is not there or has no value, as rclpy."""
+    with suppress(ParameterNotDeclaredException, ParameterUninitializedException):
+        setattr(response, field, [told(name) for name in request.names])
+    return response
 
 
 def _in_own_types(changes: list[RosParameter]) -> list[RosParameter]:

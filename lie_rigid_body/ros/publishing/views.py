@@ -23,12 +23,12 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
-from lie_rigid_body.messages.batch import Batch
+from lie_rigid_body.messages.batch import TF_TOPIC, Batch
 from lie_rigid_body.ros.session import latched, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, Periodic, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
-TF: Final = "/tf"
+TF: Final = TF_TOPIC
 TF_STATIC: Final = "/tf_static"
 TRANSFORMS_KEPT: Final = 100
 MARKERS_TOPIC: Final = "markers"
