@@ -216,7 +216,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
 def _outline(row: Row, *, whole: bool) -> Row:
     """A row with the columns of its scores alone: of a million runs what only a page tells would take gigabytes."""
     scores = [run_score["scores"] for run_score in row.run_scores]
-    return replace(row, run_scores=scores) if whole else replace(row, run_scores=scores, parameters={})
+    return replace(row, run_scores=scores, parameters=row.parameters if whole else {})
 
 
 def _scored(rows: Sequence[Row]) -> str:
