@@ -103,28 +103,15 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
     InputError
         If the shapes do not go together, a number is not finite, or a quaternion is zero.
     """
-    estimate, truth = pairs(estimate_xyzw, truth_xyzw)
-    return angles(quaternion.multiply(estimate, quaternion.conjugate(truth)))
-
-
-def pairs(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> tuple[Array, Array]:
-    """Read estimates and true attitudes of shapes that go together, and divide them by their norms.
-
-    Raises
-    ------
-    InputError
-        As `attitude_error`.
-    """
     estimate = unit("estimate_xyzw", estimate_xyzw)
     truth = unit("truth_xyzw", truth_xyzw)
     try:
-        np.broadcast_shapes(estimate.shape, truth.shape)
+        return angles(quaternion.multiply(estimate, quaternion.conjugate(truth)))
     except ValueError:
         raise InputError(
             f"estimate_xyzw of shape {estimate.shape} does not go with truth_xyzw of shape {truth.shape}: "
             "give both at the same instants, one row each"
         ) from None
-    return estimate, truth
 
 
 def angles(error_xyzw: Array) -> AttitudeError:
