@@ -273,6 +273,15 @@ class Truth(ABC):
         """First and last time, ns, of the smooth motion that each stamp belongs to."""
         return np.full_like(stamps_ns, self.first_ns), np.full_like(stamps_ns, self.last_ns)
 
+    def periods_ns(self, stamps_ns: Integers) -> Array:
+        """Usual time from each of N rising stamps to the next, ns, shape (N - 1,): rates may change at a reset.
+
+        It is the median of those that begin in the same smooth motion.
+        """
+        begins, _ = self.smooth_around(stamps_ns[:-1])
+        parts = np.split(np.diff(stamps_ns), np.flatnonzero(np.diff(begins)) + 1)
+        return np.concatenate([np.full(len(part), np.median(part)) for part in parts if len(part)] or [np.empty(0)])
+
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms.
 
