@@ -201,8 +201,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
     if campaign.gives:
         told.append(f"given to estimators beside the readings: {', '.join(campaign.gives)}")
     if function := next((one.function for one in worst_first if one.function), None):
-        what = "one" if campaign.estimators else "it"
-        told.append(f"what is wrong with {what}: {console.program('diagnose')} {function}")
+        told.append(f"what is wrong with it: {console.program('diagnose')} {function}")
     if given.report is not None:
         write_file(given.report, _page(campaign, given.campaign, rows, first), overwrite=given.force)
         told.append(f"wrote {printable(given.report)}")
