@@ -315,9 +315,11 @@ class LiveEstimate:
             track, _ = self._scorable()
         except InputError as error:
             return str(error)
+        last_ns = self.truth.poses.last_ns
+        end = "on" if last_ns is None else f"to {last_ns / NS:.13g} s"
         return (
-            f"no attitude of {self._topic} is stamped within the truth, from {self.truth.begin_ns / NS:.13g} s on; "
-            f"the last is at {track.stamps_ns[-1] / NS:.13g} s: is it of the same clock and run?"
+            f"no attitude of {self._topic} is stamped within the truth, from {self.truth.begin_ns / NS:.13g} s "
+            f"{end}; the last is at {track.stamps_ns[-1] / NS:.13g} s: is it of the same clock and run?"
         )
 
     def left_out(self) -> dict[str, str]:
