@@ -48,7 +48,6 @@ _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 """Pattern of a function's name: module, colon, function."""
 MAX_POINTS: Final = 100
 """Largest number of estimators and points of grids: each is called in every run, and has its place in the run's row."""
-_MAX_NAME_LENGTH: Final = 40
 _KEYS_OF_ONE: Final = ("function", "command", "parameters", "grid")
 
 
@@ -317,8 +316,8 @@ class EstimatorSpec:
 
 
 def _estimator_spec(name: object, content: object) -> EstimatorSpec:
-    if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _MAX_NAME_LENGTH):
-        raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_MAX_NAME_LENGTH} printable characters")
+    if not (isinstance(name, str) and name and name.isprintable()):
+        raise InputError(f"estimators: {shown(name)} is no name: give printable characters")
     place = f"estimators.{name}"
     if not isinstance(content, Mapping):
         raise InputError(f'{place} is to be a mapping: give {{function: "module:function"}}')

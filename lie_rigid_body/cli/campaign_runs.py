@@ -201,8 +201,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
     if campaign.gives:
         told.append(f"given to estimators beside the readings: {', '.join(campaign.gives)}")
     if function := next((one.function for one in worst_first if one.function), None):
-        what = "one" if campaign.estimators else "it"
-        told.append(f"what is wrong with {what}: {console.program('diagnose')} {function}")
+        told.append(f"what is wrong with it: {console.program('diagnose')} {function}")
     if given.report is not None:
         write_file(given.report, _page(campaign, given.campaign, rows, first), overwrite=given.force)
         told.append(f"wrote {printable(given.report)}")
@@ -216,7 +215,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
 def _outline(row: Row, *, whole: bool) -> Row:
     """A row with the columns of its scores alone: of a million runs what only a page tells would take gigabytes."""
     scores = [run_score["scores"] for run_score in row.run_scores]
-    return replace(row, run_scores=scores) if whole else replace(row, run_scores=scores, parameters={})
+    return replace(row, run_scores=scores, parameters=row.parameters if whole else {})
 
 
 def _scored(rows: Sequence[Row]) -> str:

@@ -205,7 +205,7 @@ def _headline(search: Search, found: list[Situation], probes: Sequence[Probe]) -
 
 def _deaf(search: Search) -> str:
     """Sentence about the sensors that change nothing."""
-    sensors = " and the ".join(search.deaf).replace(" and the ", ", the ", len(search.deaf) - 2)
+    sensors = " and the ".join(search.deaf)
     change = f"The {sensors} change{'s' * (len(search.deaf) == 1)} nothing after the first second"
     if "magnetometer" in search.deaf and not search.is_level:
         return f"{change}: the magnetometer sets the first heading alone."

@@ -103,28 +103,15 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
     InputError
         If the shapes do not go together, a number is not finite, or a quaternion is zero.
     """
-    estimate, truth = pairs(estimate_xyzw, truth_xyzw)
-    return angles(quaternion.multiply(estimate, quaternion.conjugate(truth)))
-
-
-def pairs(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> tuple[Array, Array]:
-    """Read estimates and true attitudes of shapes that go together, and divide them by their norms.
-
-    Raises
-    ------
-    InputError
-        As `attitude_error`.
-    """
     estimate = unit("estimate_xyzw", estimate_xyzw)
     truth = unit("truth_xyzw", truth_xyzw)
     try:
-        np.broadcast_shapes(estimate.shape, truth.shape)
+        return angles(quaternion.multiply(estimate, quaternion.conjugate(truth)))
     except ValueError:
         raise InputError(
             f"estimate_xyzw of shape {estimate.shape} does not go with truth_xyzw of shape {truth.shape}: "
             "give both at the same instants, one row each"
         ) from None
-    return estimate, truth
 
 
 def angles(error_xyzw: Array) -> AttitudeError:
@@ -285,6 +272,15 @@ class Truth(ABC):
     def smooth_around(self, stamps_ns: Integers) -> tuple[Integers, Integers]:
         """First and last time, ns, of the smooth motion that each stamp belongs to."""
         return np.full_like(stamps_ns, self.first_ns), np.full_like(stamps_ns, self.last_ns)
+
+    def periods_ns(self, stamps_ns: Integers) -> Array:
+        """Usual time from each of N rising stamps to the next, ns, shape (N - 1,): rates may change at a reset.
+
+        It is the median of those that begin in the same smooth motion.
+        """
+        begins, _ = self.smooth_around(stamps_ns[:-1])
+        parts = np.split(np.diff(stamps_ns), np.flatnonzero(np.diff(begins)) + 1)
+        return np.concatenate([np.full(len(part), np.median(part)) for part in parts if len(part)] or [np.empty(0)])
 
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms.

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
-import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.evaluation.attitudes import (
     GAP_PERIODS,
@@ -32,8 +31,6 @@ from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 
-NEIGHBOURS: Final = 1001
-"""Number of steps whose median is the period of the one in their middle."""
 GAP_OF_EVEN: Final = 1.5
 """Least distance of two stamps that is a gap, in median periods, where stamps are even: one missing sample stands
 out."""
@@ -80,10 +77,10 @@ class Remark(NamedTuple):
     message: str
 
 
-def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[Remark]:
+def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth) -> Iterator[Remark]:
     """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given.
 
-    Gaps are steps beside the median of their neighbours, as the rate may change.
+    Gaps are looked for in each smooth motion of the truth.
     """
     begin = int(stamps[0])
     doubles = stamps[~first]
@@ -95,7 +92,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
             f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
         )
     steps = np.diff(kept)
-    period = scipy.ndimage.median_filter(steps, NEIGHBOURS)
+    period = truth.periods_ns(kept)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:

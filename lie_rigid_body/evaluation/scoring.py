@@ -235,7 +235,7 @@ def score_estimate(
     if options.diagnosed:
         found = diagnose(track, whole, options.longest_lag_s, sensors.left_rad)
     remarked = (
-        *remarks.of_series(stamps, first, estimate.attitude_xyzw),
+        *remarks.of_series(stamps, first, estimate.attitude_xyzw, truth),
         *remarks.of_span(whole.stamps_ns, known, truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )

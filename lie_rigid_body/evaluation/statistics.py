@@ -80,13 +80,10 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
     Raises
     ------
     InputError
-        If a shape is wrong or a number is not finite.
+        If there are not three numbers in each row, or one is not finite.
     """
-    given = numbers("estimate", estimate, 3)
-    true = numbers("truth", truth, 3)
-    if given.shape != true.shape:
-        raise InputError(f"truth: shape {true.shape} is not {given.shape}: give the true bias of each estimate")
-    return Statistics.of(vectors.norm(given - true).reshape(-1))
+    off = numbers("estimate", estimate, 3) - numbers("truth", truth, 3)
+    return Statistics.of(vectors.norm(off).reshape(-1))
 
 
 def largest_of_second_half(t_s: Array, errors: Array) -> float:
