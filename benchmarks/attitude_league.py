@@ -36,7 +36,7 @@ def main() -> None:
         print(f"{module} is left out: its library is not installed", flush=True)
     entries, hashes, bounds = play(len(os.sched_getaffinity(0)))
     league = page.reference(entries, hashes, bounds, recordings.medians())
-    parts = page.table(entries, league), page.advice(entries)
+    parts = page.table(entries, league), page.advice(entries, league.real_deg), page.remarks(entries)
     print(*parts, sep="\n\n")
     if not REFERENCE.exists():
         print(f"The reference set {EDITION} is made for the first time.")

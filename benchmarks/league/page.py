@@ -89,19 +89,22 @@ def plain(league: LeagueTable) -> LeagueTable:
     return replace(league, rows=tuple(row for row in league.rows if row.setting != TUNED))
 
 
-def advice(entries: Sequence[Entry]) -> str:
-    """What the users of each filter should know, and settings that are shown to be better than the defaults."""
-    lines = []
+def advice(entries: Sequence[Entry], real: Mapping[str, float]) -> str:
+    """Settings that are shown to be better than the defaults, and how much, also on real recordings."""
+    lines = [["filter", "sensors", "setting", "of the default error", "real"], ["---"] * 5]
     for entry in sorted(entries, key=lambda entry: entry.filter.full_name):
-        found = [
-            f"with {grade} sensors {in_words(each.setting)}: {share(each.difference)}"
-            for grade, each in entry.advice.items()
-        ]
-        nothing = "no point of its grid is shown to be better than the defaults" if entry.filter.grid else ""
-        said = [entry.filter.advice, "; ".join(found) or nothing]
-        if any(said):
-            lines.append(f"- {entry.filter.library} `{entry.filter.name}`: {'; '.join(filter(None, said))}.")
-    return "\n".join(lines)
+        name = entry.filter.full_name
+        for grade, each in entry.advice.items():
+            tuned = real.get(f"{name}, {TUNED}") if grade == "mems" else None
+            of_real = f"{tuned / real[name]:.2g}" if tuned else ""
+            lines.append([name, grade, in_words(each.setting), share(each.difference), of_real])
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def remarks(entries: Sequence[Entry]) -> str:
+    """What the users of each filter should know."""
+    told = sorted((entry.filter.full_name, entry.filter.advice) for entry in entries if entry.filter.advice)
+    return "\n".join(f"- {name}: {words}." for name, words in told)
 
 
 def in_words(setting: Setting) -> str:
@@ -113,7 +116,7 @@ def in_words(setting: Setting) -> str:
 
 def share(difference: Difference) -> str:
     """How large an error is beside that at the defaults."""
-    return f"{difference.ratio:.2g} of the default error ({difference.low:.2g} to {difference.high:.2g})"
+    return f"{difference.ratio:.2g} ({difference.low:.2g} to {difference.high:.2g})"
 
 
 def replaced(page: str, *parts: str) -> str:

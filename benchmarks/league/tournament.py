@@ -127,7 +127,7 @@ def play(workers: int) -> tuple[list[Entry], dict[Case, str], dict[str, float]]:
             Job(n, case, setting)
             for case in (*RANKED, *FAULTY)
             for (n, grade), setting in chosen.items()
-            if setting and case.grade == grade
+            if setting and (case.grade == grade or case in UNSEEN)
         ]
         tuned = results(pool, jobs, hashes, "chosen settings")
     entries = [entry(n, chosen, {**defaults, **tuned}) for n in everyone]
@@ -169,14 +169,21 @@ def best_setting(number: int, grade: str, tried: Results) -> Setting:
 
 
 def entry(number: int, chosen: Mapping[tuple[int, str], Setting], found: Results) -> Entry:
-    """A filter at the defaults and with the settings that are shown to be better, where there are."""
+    """A filter at the defaults and with the settings that are advised, where there are.
+
+    One is advised where it is shown to be better with sensors of its grade, and not shown to be worse with those of the
+    other: real sensors lie between.
+    """
     advice = {}
     for grade in GRADES:
         if setting := chosen.get((number, grade)):
-            cases = [case for case in UNSEEN if case.grade == grade]
-            difference = of_runs(*(totals(number, cases, each, found) for each in (setting, DEFAULTS)))
-            if difference.is_shown and difference.ratio < 1.0:
-                advice[grade] = Advice(setting, difference)
+            ratios = {}
+            for each in GRADES:
+                cases = [case for case in UNSEEN if case.grade == each]
+                ratios[each] = of_runs(*(totals(number, cases, point, found) for point in (setting, DEFAULTS)))
+            worse = any(each.is_shown and each.ratio > 1.0 for each in ratios.values())
+            if ratios[grade].is_shown and not worse:
+                advice[grade] = Advice(setting, ratios[grade])
     defaults = {case: found[number, case, ()] for case in CASES}
     tuned = {
         case: found[number, case, tuple(advice[case.grade].setting.items())] if case.grade in advice else result

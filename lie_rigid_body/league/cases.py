@@ -22,7 +22,7 @@ from lie_rigid_body.scenario.parameter_file import CONFIG, gather
 from lie_rigid_body.sensors import PERFECT
 
 
-class Motion(NamedTuple):
+class Movement(NamedTuple):
     """How a body turns and is carried.
 
     Attributes
@@ -44,14 +44,14 @@ class Motion(NamedTuple):
 
 
 MOTIONS: Final = {
-    ("rotation", "slow"): Motion(2.1, 1.2, 0.7, (2.0, 10.0)),
-    ("rotation", "fast"): Motion(5.7, 0.3, 1.8, (1.5, 8.5)),
-    ("translation", "slow"): Motion(1.1, 0.25, 1.6, (0.5, 4.5)),
-    ("translation", "fast"): Motion(3.3, 0.25, 8.1, (1.0, 2.6)),
-    ("combined", "slow"): Motion(2.1, 1.2, 1.6, (0.5, 4.5)),
-    ("combined", "fast"): Motion(10.4, 0.4, 6.3, (0.9, 3.0)),
-    ("disturbed", "slow"): Motion(3.7, 0.75, 1.5, (0.4, 2.5)),
-    ("disturbed", "fast"): Motion(8.5, 0.4, 4.6, (0.6, 3.7)),
+    ("rotation", "slow"): Movement(2.1, 1.2, 0.7, (2.0, 10.0)),
+    ("rotation", "fast"): Movement(5.7, 0.3, 1.8, (1.5, 8.5)),
+    ("translation", "slow"): Movement(1.1, 0.25, 1.6, (0.5, 4.5)),
+    ("translation", "fast"): Movement(3.3, 0.25, 8.1, (1.0, 2.6)),
+    ("combined", "slow"): Movement(2.1, 1.2, 1.6, (0.5, 4.5)),
+    ("combined", "fast"): Movement(10.4, 0.4, 6.3, (0.9, 3.0)),
+    ("disturbed", "slow"): Movement(3.7, 0.75, 1.5, (0.4, 2.5)),
+    ("disturbed", "fast"): Movement(8.5, 0.4, 4.6, (0.6, 3.7)),
 }
 """Motions by group and speed. Of slow combined motions there is no recording: the rate is that of slow rotations, the
 acceleration that of slow translations."""
@@ -141,7 +141,7 @@ class Case:
         return {**files, **moving, "sensor_grade": self.grade, "sensor_seed": self.seed}
 
 
-def kicks_of(motion: Motion, seed: int, breaks_s: Sequence[tuple[float, float]]) -> list[float]:
+def kicks_of(motion: Movement, seed: int, breaks_s: Sequence[tuple[float, float]]) -> list[float]:
     """Kicks of a motion that begins with a rest, and has breaks: four numbers a kick."""
     drawn = np.reshape(random_kicks(DURATION_S - REST_S, motion.interval, motion.rate, 0.0, seed), (-1, 4))
     drawn[:, 0] += REST_S
