@@ -73,7 +73,7 @@ def table(entries: Sequence[Entry], league: LeagueTable) -> str:
         best = rows.get(f"{row.filter}, {TUNED}")
         if best:
             cells = [
-                one if one == other else f"{one} → {other}"
+                one if other in (one, "") else f"{one} → {other}"
                 for one, other in zip(cells, cells_of_row(league, best), strict=True)
             ]
         cost = float(np.nanmedian([each.cost for each in entry.defaults.values()]))

@@ -171,8 +171,7 @@ def best_setting(number: int, grade: str, tried: Results) -> Setting:
 def entry(number: int, chosen: Mapping[tuple[int, str], Setting], found: Results) -> Entry:
     """A filter at the defaults and with the settings that are advised, where there are.
 
-    One is advised where it is shown to be better with sensors of its grade, and not shown to be worse with those of the
-    other: real sensors lie between.
+    One is advised where it is shown to be better with sensors of each grade: real sensors lie between.
     """
     advice = {}
     for grade in GRADES:
@@ -181,8 +180,7 @@ def entry(number: int, chosen: Mapping[tuple[int, str], Setting], found: Results
             for each in GRADES:
                 cases = [case for case in UNSEEN if case.grade == each]
                 ratios[each] = of_runs(*(totals(number, cases, point, found) for point in (setting, DEFAULTS)))
-            worse = any(each.is_shown and each.ratio > 1.0 for each in ratios.values())
-            if ratios[grade].is_shown and not worse:
+            if all(each.is_shown and each.ratio < 1.0 for each in ratios.values()):
                 advice[grade] = Advice(setting, ratios[grade])
     defaults = {case: found[number, case, ()] for case in CASES}
     tuned = {
