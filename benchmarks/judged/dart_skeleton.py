@@ -1,0 +1,37 @@
+"""DART: a skeleton of one body at a free joint, whose velocities are in the body's axes. It has one integrator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import dartpy
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from judged.own import Answer
+from lie_rigid_body.conformance import Case
+from lie_rigid_body.conformance.results import Simulate
+
+VERSION = dartpy.__version__ if hasattr(dartpy, "__version__") else ""
+
+
+def engines() -> Iterator[tuple[str, Simulate]]:
+    yield f"DART {VERSION}".strip(), simulate
+
+
+def simulate(case: Case, step: float) -> Answer:
+    world, skeleton = dartpy.simulation.World(), dartpy.dynamics.Skeleton("body")
+    _, body = skeleton.createFreeJointAndBodyNodePair()
+    body.setInertia(dartpy.dynamics.Inertia(1.0, np.zeros(3), case.inertia))
+    world.setGravity(np.zeros(3))
+    world.setTimeStep(step)
+    world.addSkeleton(skeleton)
+    skeleton.setPositions(np.concatenate([Rotation.from_quat(case.attitude_xyzw).as_rotvec(), np.zeros(3)]))
+    skeleton.setVelocities(np.concatenate([case.body_rate, np.zeros(3)]))
+    count = round(case.duration / step)
+    attitude, rate = np.empty((count, 3, 3)), np.empty((count, 3))
+    for n in range(count):
+        world.step()
+        attitude[n] = body.getWorldTransform().rotation()
+        rate[n] = skeleton.getVelocities()[:3]
+    return step * np.arange(1, count + 1), Rotation.from_matrix(attitude).as_quat(), rate
