@@ -1,8 +1,9 @@
-"""DART: a skeleton of one body at a free joint, whose velocities are in the body's axes. It has one integrator."""
+"""DART: a skeleton of one body at a free joint, whose rates are in the world's axes. It has one integrator."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib.metadata import version
 
 import dartpy
 import numpy as np
@@ -11,12 +12,13 @@ from scipy.spatial.transform import Rotation
 from judged.own import Answer
 from lie_rigid_body.conformance import Case
 from lie_rigid_body.conformance.results import Simulate
+from lie_rigid_body.lie import quaternion
 
-VERSION = dartpy.__version__ if hasattr(dartpy, "__version__") else ""
+VERSION = version("dartpy")
 
 
 def engines() -> Iterator[tuple[str, Simulate]]:
-    yield f"DART {VERSION}".strip(), simulate
+    yield f"DART {VERSION}", simulate
 
 
 def simulate(case: Case, step: float) -> Answer:
@@ -27,11 +29,12 @@ def simulate(case: Case, step: float) -> Answer:
     world.setTimeStep(step)
     world.addSkeleton(skeleton)
     skeleton.setPositions(np.concatenate([Rotation.from_quat(case.attitude_xyzw).as_rotvec(), np.zeros(3)]))
-    skeleton.setVelocities(np.concatenate([case.body_rate, np.zeros(3)]))
+    skeleton.setVelocities(np.concatenate([case.world_rate, np.zeros(3)]))
     count = round(case.duration / step)
     attitude, rate = np.empty((count, 3, 3)), np.empty((count, 3))
     for n in range(count):
         world.step()
         attitude[n] = body.getWorldTransform().rotation()
-        rate[n] = skeleton.getVelocities()[:3]
-    return step * np.arange(1, count + 1), Rotation.from_matrix(attitude).as_quat(), rate
+        rate[n] = attitude[n].T @ skeleton.getVelocities()[:3]
+    with np.errstate(all="ignore"):
+        return step * np.arange(1, count + 1), quaternion.from_matrix(attitude), rate

@@ -23,7 +23,7 @@ VERSION = version("pybullet")
 def engines() -> Iterator[tuple[str, Simulate]]:
     for name, maximal in (("multibody", False), ("rigid body", True)):
         yield f"PyBullet {VERSION}, {name}", partial(simulate, maximal=maximal, damping=0.0)
-    yield f"PyBullet {VERSION}, rigid body, its own damping", partial(simulate, maximal=True, damping=None)
+    yield f"PyBullet {VERSION}, multibody, damping as it comes", partial(simulate, maximal=False, damping=None)
 
 
 def simulate(case: Case, step: float, maximal: bool, damping: float | None) -> Answer:

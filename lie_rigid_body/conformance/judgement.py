@@ -138,18 +138,15 @@ def judge(simulate: Simulate, steps: Sequence[int] | None = None) -> Conformance
         raise ParameterError("steps", f"{shown(steps)} are no three such numbers: give for example (20, 40, 80)")
     found = [Results(simulate, case, given) for case in CASES]
     mistakes = list(_wrong_motions(found))
-    named = {name for mistake in mistakes for name in mistake.cases}
-    rest = [each for each in found if each.case.name not in named and each.judged]
-    energies = [_Energy(each) for each in rest]
-    mistakes += [
-        *_drifts([each for each in energies if each.stays], ", and not less with a smaller step"),
-        *_clamped(energies),
-    ]
     notes: list[Mistake] = []
+    energies = [_Energy(each) for each in found if each.judged]
+    if not mistakes:
+        stay = [each for each in energies if each.stays]
+        mistakes += [*_drifts(stay, ", and not less with a smaller step"), *_clamped(energies)]
     if not mistakes:
         notes += _drifts([each for each in energies if abs(each.fine) > max(MIN_DRIFT, each.floor)], "")
-        mistakes += _low_order(rest, "attitude_order")
-    notes += [*_low_order(found, "first_order"), *_unexplained(rest, mistakes)]
+        mistakes += _low_order(found, "attitude_order")
+    notes += [*_low_order(found, "first_order"), *_unexplained(found, mistakes)]
     return Conformance(tuple(map(_row, found)), tuple(mistakes), tuple(notes))
 
 
@@ -249,7 +246,8 @@ def _low_order(found: Iterable[Results], code: str) -> Iterator[Mistake]:
     As ``attitude_order`` it is told where the attitude alone is of first order, as it takes the rate of one end.
     """
     known = [each for each in found if each.order is not None]
-    low = [each for each in known if (each.order_of(slice(3)) or np.inf) < MAX_ORDER]
+    part = slice(3 if code == "attitude_order" else 6)
+    low = [each for each in known if (each.order_of(part) or np.inf) < MAX_ORDER]
     is_attitude = all((each.order_of(slice(3, 6)) or np.inf) > MAX_ORDER for each in low)
     places = np.array([_place(each) for each in low])
     side = next(

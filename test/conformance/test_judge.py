@@ -41,7 +41,7 @@ def test_a_right_engine_has_no_mistake_and_its_order(name):
     assert codes(found) == set()
     orders = [row.order for row in found.rows if row.order != "not judged"]
     assert len(orders) >= 10
-    assert np.median(orders) == pytest.approx(ORDERS[name], abs=0.35)
+    assert np.median(orders) == pytest.approx(ORDERS[name], abs=0.5)
     assert ("first_order" in {note.code for note in found.notes}) == (ORDERS[name] == 1.0)
     assert "unexplained" not in {note.code for note in found.notes}
 
