@@ -18,6 +18,7 @@ from lie_rigid_body.conformance.results import Simulate
 
 NEEDS = {
     "mujoco_joint": "mujoco",
+    "mjx_joint": "mujoco.mjx",
     "dart_skeleton": "dartpy",
     "drake_plant": "pydrake",
     "pybullet_body": "pybullet",
@@ -27,7 +28,7 @@ HEADER = "| engine | order | median error, rad | precision | mistakes | notes |\
 
 def engines() -> Iterator[tuple[str, Simulate]]:
     for module, needed in NEEDS.items():
-        if find_spec(needed):
+        if find_spec(needed.partition(".")[0]) and find_spec(needed):
             yield from import_module(f"judged.{module}").engines()
 
 
@@ -43,9 +44,12 @@ def row(name: str, found: Conformance) -> str:
 
 
 def main() -> None:
-    """Print the table; with --all, everything that is found of each engine."""
+    """Print the table; with --all, everything that is found of each; words choose engines by name."""
     print(HEADER)
+    chosen = [word for word in sys.argv[1:] if word != "--all"]
     for name, simulate in engines():
+        if not all(word in name for word in chosen):
+            continue
         begin = time.process_time()
         found = judge(simulate)
         print(row(name, found), flush=True)

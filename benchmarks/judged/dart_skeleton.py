@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from judged.own import Answer
-from lie_rigid_body.conformance import Case
+from lie_rigid_body.conformance import EngineCase
 from lie_rigid_body.conformance.results import Simulate
 from lie_rigid_body.lie import quaternion
 
@@ -21,7 +21,7 @@ def engines() -> Iterator[tuple[str, Simulate]]:
     yield f"DART {VERSION}", simulate
 
 
-def simulate(case: Case, step: float) -> Answer:
+def simulate(case: EngineCase, step: float) -> Answer:
     world, skeleton = dartpy.simulation.World(), dartpy.dynamics.Skeleton("body")
     _, body = skeleton.createFreeJointAndBodyNodePair()
     body.setInertia(dartpy.dynamics.Inertia(1.0, np.zeros(3), case.inertia))

@@ -12,7 +12,7 @@ from pydrake.multibody.tree import RotationalInertia, SpatialInertia, UnitInerti
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 
 from judged.own import Answer
-from lie_rigid_body.conformance import Case
+from lie_rigid_body.conformance import EngineCase
 from lie_rigid_body.conformance.results import Simulate
 from lie_rigid_body.lie import quaternion
 
@@ -25,7 +25,7 @@ def engines() -> Iterator[tuple[str, Simulate]]:
         yield f"Drake {VERSION}, {integrator}, fixed steps", partial(simulate, integrator=integrator)
 
 
-def simulate(case: Case, step: float, integrator: str) -> Answer:
+def simulate(case: EngineCase, step: float, integrator: str) -> Answer:
     plant = MultibodyPlant(0.0 if integrator else step)
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = case.inertia.tolist()
     unit = UnitInertia(RotationalInertia(xx, yy, zz, xy, xz, yz))
@@ -49,5 +49,5 @@ def simulate(case: Case, step: float, integrator: str) -> Answer:
     return step * np.arange(1, count + 1), attitude, quaternion.rotate(quaternion.conjugate(attitude), rate)
 
 
-def body_positions(case: Case) -> np.ndarray:
+def body_positions(case: EngineCase) -> np.ndarray:
     return np.concatenate([case.attitude_wxyz, np.zeros(3)])

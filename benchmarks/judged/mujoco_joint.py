@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from judged.own import Answer
-from lie_rigid_body.conformance import Case
+from lie_rigid_body.conformance import EngineCase
 from lie_rigid_body.conformance.results import Simulate
 from peers.mujoco_joint import INTEGRATORS
 
@@ -32,10 +32,14 @@ def engines() -> Iterator[tuple[str, Simulate]]:
         yield f"MuJoCo {VERSION}, {integrator}", partial(simulate, integrator=integrator)
 
 
-def simulate(case: Case, step: float, integrator: str) -> Answer:
+def model_of(case: EngineCase, step: float, integrator: str) -> mujoco.MjModel:
     numbers = {"moments": case.principal_moments, "frame": case.inertial_frame_wxyz}
     text = {name: " ".join(map(repr, value.tolist())) for name, value in numbers.items()}
-    model = mujoco.MjModel.from_xml_string(MODEL.format(step=step, integrator=integrator, **text))
+    return mujoco.MjModel.from_xml_string(MODEL.format(step=step, integrator=integrator, **text))
+
+
+def simulate(case: EngineCase, step: float, integrator: str) -> Answer:
+    model = model_of(case, step, integrator)
     data = mujoco.MjData(model)
     data.qpos[3:] = case.attitude_wxyz
     data.qvel[3:] = case.body_rate

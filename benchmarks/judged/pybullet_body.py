@@ -13,7 +13,7 @@ import numpy as np
 import pybullet
 
 from judged.own import Answer
-from lie_rigid_body.conformance import Case
+from lie_rigid_body.conformance import EngineCase
 from lie_rigid_body.conformance.results import Simulate
 from lie_rigid_body.lie import quaternion
 
@@ -26,7 +26,7 @@ def engines() -> Iterator[tuple[str, Simulate]]:
     yield f"PyBullet {VERSION}, multibody, damping as it comes", partial(simulate, maximal=False, damping=None)
 
 
-def simulate(case: Case, step: float, maximal: bool, damping: float | None) -> Answer:
+def simulate(case: EngineCase, step: float, maximal: bool, damping: float | None) -> Answer:
     frame = np.roll(case.inertial_frame_wxyz, -1)
     world = pybullet.connect(pybullet.DIRECT)
     pybullet.setPhysicsEngineParameter(fixedTimeStep=step, numSubSteps=0, physicsClientId=world)

@@ -1,7 +1,7 @@
 """Physics engines judged by free rotations whose truth is proved: order, errors, drifts, and mistakes by name."""
 
-from lie_rigid_body.conformance.cases import CASES, Case
-from lie_rigid_body.conformance.judgement import Conformance, Mistake, Row, judge
+from lie_rigid_body.conformance.cases import CASES, EngineCase
+from lie_rigid_body.conformance.judgement import Conformance, EngineMistake, EngineRow, judge
 from lie_rigid_body.conformance.program import program
 
-__all__ = ["CASES", "Case", "Conformance", "Mistake", "Row", "judge", "program"]
+__all__ = ["CASES", "Conformance", "EngineCase", "EngineMistake", "EngineRow", "judge", "program"]

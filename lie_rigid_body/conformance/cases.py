@@ -25,7 +25,7 @@ _DIGITS: Final = 53
 
 
 @short_dataclass(eq=False)
-class Case:
+class EngineCase:
     """A body and its start, in SI and in the conventions of engines. Numbers are exactly the given doubles.
 
     Attributes
@@ -82,8 +82,8 @@ class Case:
 def exact_motion(inertia: Array, attitude_xyzw: Array, body_rate: Array, t_s: Array) -> State:
     """The exact motion of a body at times in s, of which no digit is lost.
 
-    Motions of one body differ by the scale of time alone. The closed form takes whole nanoseconds, so time is stretched
-    by the power of two at which a double has the fewest behind the point, and rates are reduced by it, exactly.
+    Motions of one body differ by the scale of time alone. The closed form takes whole nanoseconds. So time is stretched
+    by a power of two, so far that int64 holds it, and rates are reduced by it, exactly.
     """
     exponent = _EXPONENT - math.frexp(float(np.abs(t_s).max(initial=0.0)))[1]
     mantissas, exponents = np.frexp(t_s.ravel())
@@ -95,10 +95,10 @@ def exact_motion(inertia: Array, attitude_xyzw: Array, body_rate: Array, t_s: Ar
     return State(found.attitude_xyzw, np.ldexp(found.body_rate, exponent))
 
 
-def _case(row: dict[str, Any]) -> Case:
+def _case(row: dict[str, Any]) -> EngineCase:
     del row["truth"]
     numbers: Iterator[Any] = (np.array(value) if isinstance(value, list) else value for value in row.values())
-    return Case(*numbers)
+    return EngineCase(*numbers)
 
 
 CASES: Final = tuple(map(_case, json.loads(FILE.read_text(encoding="utf-8"))["cases"]))

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.conformance.cases import CASES
 from lie_rigid_body.conformance.mistakes import suspects
-from lie_rigid_body.conformance.results import MAX_DIFFERENCE, STEPS, Results, Simulate, difference
+from lie_rigid_body.conformance.results import MAX_DIFFERENCE, STEPS, CaseResults, Simulate, difference
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -21,8 +21,8 @@ Judged: TypeAlias = "float | Literal['not judged']"
 NOT_JUDGED: Final = "not judged"
 """Word for a number below the precision of the results."""
 MAX_REMAINS: Final = 3.0
-"""Largest distance at step 0 from the exact motion, in units of how well it is known, of a right engine: see
-docs/how-to/engine.md for how far right and wrong engines are from it."""
+"""Largest distance at step 0 from the exact motion of a right engine, in units of how well it is known. That of right
+and wrong engines is measured by benchmarks/conformance.py."""
 MAX_ORDER: Final = 1.5
 """Orders below this one are the first."""
 MIN_DRIFT: Final = 0.01
@@ -33,7 +33,7 @@ _HEADER: Final = ("case", "order", "error, rad", "energy drift", "momentum drift
 
 
 @short_dataclass
-class Row:
+class EngineRow:
     """An engine in a case. What is below the precision of its results is ``"not judged"``.
 
     Attributes
@@ -59,7 +59,7 @@ class Row:
 
 
 @short_dataclass
-class Mistake:
+class EngineMistake:
     """A mistake of an engine, or a note.
 
     Attributes
@@ -80,15 +80,15 @@ class Conformance:
 
     Attributes
     ----------
-    rows : tuple of Row
-    mistakes : tuple of Mistake
-    notes : tuple of Mistake
+    rows : tuple of EngineRow
+    mistakes : tuple of EngineMistake
+    notes : tuple of EngineMistake
         What is no mistake: a low order, and drifts that vanish with the step.
     """
 
-    rows: tuple[Row, ...]
-    mistakes: tuple[Mistake, ...]
-    notes: tuple[Mistake, ...]
+    rows: tuple[EngineRow, ...]
+    mistakes: tuple[EngineMistake, ...]
+    notes: tuple[EngineMistake, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as numbers, text and lists."""
@@ -136,9 +136,9 @@ def judge(simulate: Simulate, steps: Sequence[int] | None = None) -> Conformance
     given = tuple(STEPS if steps is None else steps)
     if len(given) != 3 or given[1] % given[0] or given[1] ** 2 != given[0] * given[2] or given[1] <= given[0]:
         raise ParameterError("steps", f"{shown(steps)} are no three such numbers: give for example (20, 40, 80)")
-    found = [Results(simulate, case, given) for case in CASES]
+    found = [CaseResults(simulate, case, given) for case in CASES]
     mistakes = list(_wrong_motions(found))
-    notes: list[Mistake] = []
+    notes: list[EngineMistake] = []
     energies = [_Energy(each) for each in found if each.judged]
     if not mistakes:
         stay = [each for each in energies if each.stays]
@@ -150,14 +150,14 @@ def judge(simulate: Simulate, steps: Sequence[int] | None = None) -> Conformance
     return Conformance(tuple(map(_row, found)), tuple(mistakes), tuple(notes))
 
 
-def _row(found: Results) -> Row:
+def _row(found: CaseResults) -> EngineRow:
     here = slice(1, max(2, int(np.sum(found.floor < MAX_DIFFERENCE))))
     errors = np.linalg.norm(difference(found.truth, found.common[-1], found.speed)[:, :3], axis=1)
     momenta = np.linalg.norm(found.momentum - found.momentum[0], axis=1)
     error, energy, momentum = (
         _above(values[here], found.floor[here]) for values in (errors, found.energy[-1], momenta)
     )
-    return Row(found.case.name, found.order or NOT_JUDGED, error, energy, momentum, found.precision)
+    return EngineRow(found.case.name, found.order or NOT_JUDGED, error, energy, momentum, found.precision)
 
 
 def _above(values: Array, floor: Array) -> Judged:
@@ -168,12 +168,12 @@ def _above(values: Array, floor: Array) -> Judged:
     return float(clear[np.argmax(np.abs(clear))]) if clear.size else NOT_JUDGED
 
 
-def _is_wrong(found: Results) -> bool:
+def _is_wrong(found: CaseResults) -> bool:
     """Whether an engine does not converge to the exact motion."""
     return bool(found.judged) and found.remains(found.truth) > MAX_REMAINS
 
 
-def _wrong_motions(found: Iterable[Results]) -> Iterator[Mistake]:
+def _wrong_motions(found: Iterable[CaseResults]) -> Iterator[EngineMistake]:
     """Mistakes to whose motions an engine converges: first the one that explains most cases."""
     wrong = [each for each in found if _is_wrong(each)]
     fitting: dict[tuple[str, str], dict[str, None]] = {}
@@ -186,7 +186,7 @@ def _wrong_motions(found: Iterable[Results]) -> Iterator[Mistake]:
         cases = tuple(fitting[code, message])
         if len(cases) < min(2, len(wrong)):
             return
-        yield Mistake(code, message, cases)
+        yield EngineMistake(code, message, cases)
         left = ((key, {name: None for name in names if name not in cases}) for key, names in fitting.items())
         fitting = {key: names for key, names in left if names}
 
@@ -194,7 +194,7 @@ def _wrong_motions(found: Iterable[Results]) -> Iterator[Mistake]:
 class _Energy:
     """Energy of an engine in the last quarter of the instants that are judged, as a change since the start."""
 
-    def __init__(self, found: Results) -> None:
+    def __init__(self, found: CaseResults) -> None:
         self.found = found
         last = slice(found.judged - found.judged // 4, found.judged)
         coarse, middle, fine = found.energy[:, last].mean(axis=1)
@@ -209,22 +209,22 @@ class _Energy:
         """Whether it does not vanish with the step."""
 
 
-def _drifts(energies: Sequence[_Energy], how: str) -> Iterator[Mistake]:
+def _drifts(energies: Sequence[_Energy], how: str) -> Iterator[EngineMistake]:
     """Damping or growth: what energies tell that change alike in all cases."""
     changes = np.array([each.a_period for each in energies])
-    if len(set(np.sign(changes))) == 1:
+    if len(changes) > 1 and len(set(np.sign(changes))) == 1:
         code, what = ("energy_grows", "added") if changes[0] > 0.0 else ("damped", "lost")
         message = f"at the smallest step {np.median(np.abs(changes)):.1%} of the energy is {what} in a period{how}"
-        yield Mistake(code, message, tuple(each.found.case.name for each in energies))
+        yield EngineMistake(code, message, tuple(each.found.case.name for each in energies))
 
 
-def _clamped(energies: Sequence[_Energy]) -> Iterator[Mistake]:
+def _clamped(energies: Sequence[_Energy]) -> Iterator[EngineMistake]:
     """A norm of the momentum that is held while its direction drifts, and an energy that runs to L²/2I₂."""
     sides = {each.found.case.name: _side(each) for each in energies}
     names = tuple(name for name, side in sides.items() if side)
     if {-1.0, 1.0} <= {*sides.values()} and 2 * len(names) > len(energies):
         what = "the norm of the momentum is held, and the energy runs to that of a spin about the intermediate axis"
-        yield Mistake("toward_intermediate", what, names)
+        yield EngineMistake("toward_intermediate", what, names)
 
 
 def _side(energy: _Energy) -> float:
@@ -240,7 +240,7 @@ def _side(energy: _Energy) -> float:
     return float(np.sign(way)) if is_held and is_drifting and is_running else 0.0
 
 
-def _low_order(found: Iterable[Results], code: str) -> Iterator[Mistake]:
+def _low_order(found: Iterable[CaseResults], code: str) -> Iterator[EngineMistake]:
     """Errors of first order in most cases, and which rate of a step the attitude takes.
 
     As ``attitude_order`` it is told where the attitude alone is of first order, as it takes the rate of one end.
@@ -260,10 +260,10 @@ def _low_order(found: Iterable[Results], code: str) -> Iterator[Mistake]:
     )
     if 2 * len(low) > len(known) and (code == "first_order" or (side and is_attitude)):
         how = f"the attitude is advanced with the rate {side} the step: " if side else ""
-        yield Mistake(code, f"{how}errors fall as the step does", tuple(each.case.name for each in low))
+        yield EngineMistake(code, f"{how}errors fall as the step does", tuple(each.case.name for each in low))
 
 
-def _place(found: Results) -> float:
+def _place(found: CaseResults) -> float:
     """Place within a step at which an attitude takes its rate: 0 before, ½ in the middle, 1 after; NaN if unknown.
 
     The rate of the rotation of a step, log(qₙ⁻¹ qₙ₊₁)/h, is (1 − a) ωₙ + a ωₙ₊₁ by least squares over all steps.
@@ -277,10 +277,10 @@ def _place(found: Results) -> float:
     return float(np.sum((turned - rate[:-1])[here] * change) / squares) if is_clear else np.nan
 
 
-def _unexplained(found: Iterable[Results], mistakes: Iterable[Mistake]) -> Iterator[Mistake]:
+def _unexplained(found: Iterable[CaseResults], mistakes: Iterable[EngineMistake]) -> Iterator[EngineMistake]:
     named = {name for mistake in mistakes for name in mistake.cases}
     names = tuple(each.case.name for each in found if each.case.name not in named and _is_wrong(each))
     if names:
-        yield Mistake(
+        yield EngineMistake(
             "unexplained", "at step 0 the motion is another than the exact one, and none of a known mistake", names
         )

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.conformance.cases import Case, exact_motion
+from lie_rigid_body.conformance.cases import EngineCase, exact_motion
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.lie import quaternion
@@ -59,21 +59,21 @@ class Suspect(NamedTuple):
     returned: Turned = _same
     rate: Array | None = None
 
-    def motion(self, case: Case, t_s: Array) -> tuple[Array, Array]:
+    def motion(self, case: EngineCase, t_s: Array) -> tuple[Array, Array]:
         """Attitudes and returned rates at times."""
         rate = self.start(case.attitude_xyzw, case.body_rate if self.rate is None else self.rate)
         found = exact_motion(self.inertia, case.attitude_xyzw, rate, t_s)
         return found.attitude_xyzw, self.returned(found.attitude_xyzw, found.body_rate)
 
 
-def suspects(case: Case, t_s: Array) -> Iterator[tuple[Suspect, tuple[Array, Array]]]:
+def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[Suspect, tuple[Array, Array]]]:
     """Every mistake that some body could have in a case, with its motion; the more usual ones first."""
     for suspect in (*_rates_and_gyroscopic_terms(case), *_inertias(case)):
         with suppress(ParameterError):  # no body has this inertia
             yield suspect, suspect.motion(case, t_s)
 
 
-def _rates_and_gyroscopic_terms(case: Case) -> Iterator[Suspect]:
+def _rates_and_gyroscopic_terms(case: EngineCase) -> Iterator[Suspect]:
     """A body without the gyroscopic term keeps its rate, as a sphere does."""
     for (at_start, start), (at_return, returned) in product(STARTS.items(), RETURNS.items()):
         axes = "; ".join(filter(None, (at_start, at_return)))
@@ -83,7 +83,7 @@ def _rates_and_gyroscopic_terms(case: Case) -> Iterator[Suspect]:
         yield Suspect("gyroscopic_term_missing", what, np.eye(3), start, returned)
 
 
-def _inertias(case: Case) -> Iterator[Suspect]:
+def _inertias(case: EngineCase) -> Iterator[Suspect]:
     inertia = case.inertia
     w, x, y, z = case.inertial_frame_wxyz
     R = quaternion.to_matrix(case.attitude_xyzw)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lie_rigid_body.conformance.cases import Case
+from lie_rigid_body.conformance.cases import EngineCase
 from lie_rigid_body.conformance.results import Simulate
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
@@ -21,8 +21,8 @@ def program(*command: str) -> Simulate:
     Parameters
     ----------
     *command : str
-        The program and its arguments. Its standard input is one line of JSON: the numbers of a `Case` by their names,
-        ``step``, s, and ``steps``. Its standard output is a line ``t_s,qx,qy,qz,qw,wx,wy,wz`` for each step, with the
+        The program and its arguments. Its standard input is one line of JSON: the numbers of an `EngineCase` by their
+        names, ``step``, s, and ``steps``. Its standard output is a line ``t_s,qx,qy,qz,qw,wx,wy,wz`` for each step, with the
         rate in the body's axes; a line that begins with # is left out.
 
     Returns
@@ -31,7 +31,7 @@ def program(*command: str) -> Simulate:
         It raises `InputError` where the program fails, or writes other lines.
     """
 
-    def simulate(case: Case, step: float) -> tuple[Array, Array, Array]:
+    def simulate(case: EngineCase, step: float) -> tuple[Array, Array, Array]:
         given = {**vars(case), "step": step, "steps": round(case.duration / step)}
         rows = _run(command, json.dumps(given, default=np.ndarray.tolist))
         return rows[:, 0], rows[:, 1:5], rows[:, 5:]

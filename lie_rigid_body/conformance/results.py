@@ -15,13 +15,13 @@ from typing import Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.conformance.cases import Case
+from lie_rigid_body.conformance.cases import EngineCase
 from lie_rigid_body.conformance.mistakes import Suspect
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
 
-Simulate: TypeAlias = Callable[[Case, float], tuple[ArrayLike, ArrayLike, ArrayLike]]
+Simulate: TypeAlias = Callable[[EngineCase, float], tuple[ArrayLike, ArrayLike, ArrayLike]]
 """An engine: a case and a step, s, to times, s, attitudes and body rates after every step."""
 
 STEPS: Final = (20, 40, 80)
@@ -65,7 +65,7 @@ class Track(NamedTuple):
     body_rate: Array
 
 
-def tracked(simulate: Simulate, case: Case, count: int) -> Track:
+def tracked(simulate: Simulate, case: EngineCase, count: int) -> Track:
     """Run an engine with a number of steps.
 
     Raises
@@ -115,13 +115,13 @@ def difference(one: tuple[Array, Array], other: tuple[Array, Array], speed: floa
     return np.concatenate([quaternion.log(between), (other[1] - one[1]) / speed], axis=1)
 
 
-class Results:
+class CaseResults:
     """Results of an engine in a case at three steps.
 
     Parameters
     ----------
     simulate : callable
-    case : Case
+    case : EngineCase
     steps : tuple of 3 int
         Numbers of steps in a period.
 
@@ -139,7 +139,7 @@ class Results:
         Attitudes and rates at these times, by steps.
     """
 
-    def __init__(self, simulate: Simulate, case: Case, steps: Sequence[int]) -> None:
+    def __init__(self, simulate: Simulate, case: EngineCase, steps: Sequence[int]) -> None:
         self.case = case
         self.ratio = steps[1] // steps[0]
         self.speed = float(np.linalg.norm(case.body_rate))
