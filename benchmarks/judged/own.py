@@ -50,7 +50,7 @@ MISTAKES: Final = {
     "momentum clamped": "toward_intermediate",
 }
 """Code that each mistake should be given."""
-EXPLICIT: Final = ("explicit Euler", "semi-implicit Euler")
+EXPLICIT: Final = ("explicit Euler", "semi-implicit Euler", "explicit midpoint")
 """Integrators whose energy a clamped momentum leads to the intermediate axis. Others keep it, or lead it away."""
 DAMPING: Final = 0.03
 """Share of the rate that is lost in a period."""

@@ -2,6 +2,5 @@
 
 from lie_rigid_body.conformance.cases import CASES, EngineCase
 from lie_rigid_body.conformance.judgement import Conformance, EngineMistake, EngineRow, judge
-from lie_rigid_body.conformance.program import program
 
-__all__ = ["CASES", "Conformance", "EngineCase", "EngineMistake", "EngineRow", "judge", "program"]
+__all__ = ["CASES", "Conformance", "EngineCase", "EngineMistake", "EngineRow", "judge"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -96,10 +95,9 @@ def exact_motion(inertia: Array, attitude_xyzw: Array, body_rate: Array, t_s: Ar
 
 
 def _case(row: dict[str, Any]) -> EngineCase:
-    del row["truth"]
-    numbers: Iterator[Any] = (np.array(value) if isinstance(value, list) else value for value in row.values())
-    return EngineCase(*numbers)
+    numbers: list[Any] = [np.array(value) if isinstance(value, list) else value for value in row.values()]
+    return EngineCase(*numbers[:-1])
 
 
 CASES: Final = tuple(map(_case, json.loads(FILE.read_text(encoding="utf-8"))["cases"]))
-"""The cases, in the order of the file, which has their numbers in the order of the attributes."""
+"""The cases, in the order of the file, which has their numbers in the order of the attributes, and then the truth."""

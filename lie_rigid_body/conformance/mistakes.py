@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import permutations, product
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 
+MotionArrays: TypeAlias = "tuple[Array, Array]"
+"""Attitudes, shape (N, 4), and rates, shape (N, 3)."""
 Turned = Callable[[Array, Array], Array]
 """A rate in other axes, from an attitude and the rate."""
 
@@ -48,8 +50,6 @@ class Suspect(NamedTuple):
         Tensor with which the body moves, kg m².
     start, returned : callable
         Rate with which it starts and which is returned, from the attitude and the right one.
-    rate : ndarray, shape (3,), or None
-        Another rate at the start than that of the case, rad/s.
     """
 
     code: str
@@ -57,16 +57,15 @@ class Suspect(NamedTuple):
     inertia: Array
     start: Turned = _same
     returned: Turned = _same
-    rate: Array | None = None
 
-    def motion(self, case: EngineCase, t_s: Array) -> tuple[Array, Array]:
+    def motion(self, case: EngineCase, t_s: Array) -> MotionArrays:
         """Attitudes and returned rates at times."""
-        rate = self.start(case.attitude_xyzw, case.body_rate if self.rate is None else self.rate)
+        rate = self.start(case.attitude_xyzw, case.body_rate)
         found = exact_motion(self.inertia, case.attitude_xyzw, rate, t_s)
         return found.attitude_xyzw, self.returned(found.attitude_xyzw, found.body_rate)
 
 
-def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[Suspect, tuple[Array, Array]]]:
+def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[Suspect, MotionArrays]]:
     """Every mistake that some body could have in a case, with its motion; the more usual ones first."""
     for suspect in (*_rates_and_gyroscopic_terms(case), *_inertias(case)):
         with suppress(ParameterError):  # no body has this inertia
@@ -76,10 +75,10 @@ def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[Suspect, tuple[Arra
 def _rates_and_gyroscopic_terms(case: EngineCase) -> Iterator[Suspect]:
     """A body without the gyroscopic term keeps its rate, as a sphere does."""
     for (at_start, start), (at_return, returned) in product(STARTS.items(), RETURNS.items()):
-        axes = "; ".join(filter(None, (at_start, at_return)))
+        axes = f"{at_start}; {at_return}".strip("; ")
         if axes:
             yield Suspect("rate_axes", axes, case.inertia, start, returned)
-        what = "; ".join(filter(None, ("the rate stays as at the start, as of a sphere", axes)))
+        what = f"the rate stays as at the start, as of a sphere; {axes}".strip("; ")
         yield Suspect("gyroscopic_term_missing", what, np.eye(3), start, returned)
 
 

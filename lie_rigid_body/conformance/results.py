@@ -15,8 +15,8 @@ from typing import Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.conformance.cases import EngineCase
-from lie_rigid_body.conformance.mistakes import Suspect
+from lie_rigid_body.conformance.cases import EngineCase, exact_motion
+from lie_rigid_body.conformance.mistakes import MotionArrays, Suspect
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
@@ -109,7 +109,7 @@ def noise(values: Array) -> float:
     return found
 
 
-def difference(one: tuple[Array, Array], other: tuple[Array, Array], speed: float) -> Array:
+def difference(one: MotionArrays, other: MotionArrays, speed: float) -> Array:
     """Rotation from one attitude to another, rad, and difference of the rates as a share of a speed: shape (N, 6)."""
     between = quaternion.multiply(quaternion.conjugate(one[0]), other[0])
     return np.concatenate([quaternion.log(between), (other[1] - one[1]) / speed], axis=1)
@@ -153,7 +153,7 @@ class CaseResults:
         ]
 
     @cached_property
-    def truth(self) -> tuple[Array, Array]:
+    def truth(self) -> MotionArrays:
         """The exact attitudes and rates."""
         return Suspect("", "", self.case.inertia).motion(self.case, self.t_s)
 
@@ -162,7 +162,7 @@ class CaseResults:
         """Noise at the smallest step of a line of the body in the world, or of the rate as a share of its norm."""
         _, attitude, rate = self.tracks[-1]
         values = np.hstack([quaternion.rotate(attitude, np.array(_LINE)), rate / self.speed])
-        return min(MAX_PRECISION, max(DOUBLE, noise(values[np.isfinite(values).all(axis=1)])))
+        return float(np.clip(noise(values[np.isfinite(values).all(axis=1)]), DOUBLE, MAX_PRECISION))
 
     @cached_property
     def floor(self) -> Array:
@@ -178,12 +178,13 @@ class CaseResults:
                 (case.inertia, case.body_rate + size * self.speed * axis),
                 (case.inertia + size * case.principal_moments[2] * np.diag(1.0 - axis), case.body_rate),
             ):
-                near = Suspect("", "", inertia, rate=rate).motion(case, self.t_s)
-                parted = np.maximum(parted, np.linalg.norm(difference(self.truth, near, self.speed), axis=1))
+                near = exact_motion(inertia, case.attitude_xyzw, rate, self.t_s)
+                between = difference(self.truth, (near.attitude_xyzw, near.body_rate), self.speed)
+                parted = np.maximum(parted, np.linalg.norm(between, axis=1))
         return np.maximum.accumulate(parted)
 
     @cached_property
-    def differences(self) -> tuple[Array, Array]:
+    def differences(self) -> MotionArrays:
         """From the second to the first result, and from the third to the second."""
         first, second, third = self.common
         return difference(second, first, self.speed), difference(third, second, self.speed)
@@ -196,17 +197,20 @@ class CaseResults:
         return count if count >= MIN_INSTANTS else 0
 
     def order_of(self, part: slice) -> float | None:
-        """Order of a part of the results, the median of the logᵣ of ratios of differences; None below the precision."""
+        """Order of a part of the results: the median of the logᵣ of ratios of differences.
+
+        None where most differences are below the precision.
+        """
         coarse, fine = (np.linalg.norm(d[1 : self.judged, part], axis=1) for d in self.differences)
         clear = fine > self.floor[1 : self.judged]
-        return float(np.median(np.log(coarse[clear] / fine[clear]))) / math.log(self.ratio) if clear.any() else None
+        return float(np.median(np.log(coarse / fine)[clear])) / math.log(self.ratio) if clear.mean() > 0.5 else None
 
     @cached_property
     def order(self) -> float | None:
         """Order of attitude and rate together; None where it is not judged."""
         return self.order_of(slice(6)) if self.judged else None
 
-    def at_step_0(self, coarse: Array, fine: Array) -> tuple[Array, Array]:
+    def at_step_0(self, coarse: Array, fine: Array) -> MotionArrays:
         """Addition to the result at the smallest step, and how well it is known, from two differences.
 
         The order is taken as the nearest whole one, from 1 on.
@@ -214,7 +218,7 @@ class CaseResults:
         R = float(self.ratio ** max(1, round(self.order or 1.0)))
         return -fine / (R - 1.0), (R * fine - coarse) / (R - 1.0)
 
-    def remains(self, motion: tuple[Array, Array]) -> float:
+    def remains(self, motion: MotionArrays) -> float:
         """Distance at step 0 from a motion, in units of how well that is known: the median over time."""
         added, unknown = self.at_step_0(*self.differences)
         left = difference(motion, self.common[-1], self.speed) + added
