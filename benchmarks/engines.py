@@ -19,6 +19,7 @@ from lie_rigid_body.conformance.results import Simulate
 NEEDS = {
     "mujoco_joint": "mujoco",
     "mjx_joint": "mujoco.mjx",
+    "newton_body": "newton",
     "dart_skeleton": "dartpy",
     "drake_plant": "pydrake",
     "pybullet_body": "pybullet",

@@ -72,9 +72,10 @@ def test_a_mistake_is_named_in_single_precision(mistake):
     assert codes(judged(name, mistake, "float32")) == {MISTAKES[mistake]}
 
 
+@pytest.mark.parametrize("kind", ["float64", "float32"])
 @pytest.mark.parametrize("name", ONE_SIDED)
-def test_an_attitude_that_takes_the_rate_of_one_end_is_named(name):
-    found = judged(name)
+def test_an_attitude_that_takes_the_rate_of_one_end_is_named(name, kind):
+    found = judged(name, kind=kind)
     assert codes(found) == {"attitude_order"}
     assert name.rpartition(" ")[2] in found.mistakes[0].message
 
