@@ -36,7 +36,7 @@ def line(name: str, mistake: str, kind: str) -> str:
     remains = [each.remains(each.truth) for each in results if each.judged]
     named = {f"{each.code} {len(each.cases)}" for each in found.mistakes}
     notes = {f"{each.code} {len(each.cases)}" for each in found.notes}
-    is_right = {each.code for each in found.mistakes} == expected(name, mistake)
+    is_right = {each.code for each in found.mistakes} == expected(name, mistake, kind)
     cells = (
         "as expected" if is_right else "OTHER",
         f"{name}{KINDS[kind]}",

@@ -284,9 +284,12 @@ def simulate(case: EngineCase, step: float, *, stepper: str, mistake: str = "", 
     return step * np.arange(1, count + 1), attitudes, rates
 
 
-def expected(stepper: str, mistake: str) -> set[str]:
-    """Codes that an integrator with a mistake should be given."""
-    hidden = mistake == "momentum clamped" and stepper not in EXPLICIT
+def expected(stepper: str, mistake: str, kind: str = "float64") -> set[str]:
+    """Codes that an integrator with a mistake should be given.
+
+    In single precision round-off hides how a clamped momentum moves the energy of the explicit midpoint rule.
+    """
+    hidden = mistake == "momentum clamped" and stepper not in EXPLICIT[: 3 if kind == "float64" else 2]
     return {"attitude_order"} if stepper in ONE_SIDED else {MISTAKES[mistake]} - {""} if not hidden else set()
 
 
