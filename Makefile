@@ -14,7 +14,7 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim quick test test-slow test-oldest test-kilted words fuzz lint docs bench league clean
+.PHONY: help sim quick test test-slow test-oldest test-kilted words fuzz lint docs bench papers league clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
@@ -28,6 +28,7 @@ help:
 	@echo "make lint         check style and types"
 	@echo "make docs         build the site of docs/ and of the docstrings into build/docs"
 	@echo "make bench        run beside other software    ARGS=--save also writes the pictures and tables of docs/"
+	@echo "make papers       published numbers of free rotations beside ours, each with its source and the lines that make it"
 	@echo "make league       score attitude filters of PyPI, over an hour    ARGS=--save also writes docs/reference/league.md"
 	@echo "make clean        remove environments, caches and build folders"
 
@@ -63,6 +64,9 @@ docs:
 
 bench:
 	@exec scripts/bench.sh bench $(ARGS)
+
+papers:
+	@exec scripts/papers.sh $(ARGS)
 
 league:
 	@exec scripts/bench.sh league $(ARGS)

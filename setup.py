@@ -125,7 +125,7 @@ EXTRAS = {
 }
 
 # Folders of their own: what lies in config/ itself is a scenario.
-VIEWS_AND_POLICIES = ["foxglove", "league", "plotjuggler", "rosbag2", "rviz", "sros2"]
+VIEWS_AND_POLICIES = ["conformance", "foxglove", "league", "plotjuggler", "rosbag2", "rviz", "sros2"]
 
 setup(
     name=NAME,

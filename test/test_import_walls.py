@@ -35,6 +35,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
     "estimates": BAG | {"evaluation", "runs"},
+    "conformance": {"lie", "mechanics", "motion", "scenario"},
     "inspection": {"lie", "sensors", "evaluation", "runs"},
     "diagnosis": SCENARIO | {"estimates", "evaluation", "runs"},
     "campaign": BAG | {"certificate", "estimates", "evaluation", "runs"},

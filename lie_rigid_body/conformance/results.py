@@ -1,0 +1,239 @@
+"""Results of an engine in a case at three steps, and what follows from them: order, limit at step 0, precision.
+
+With results at steps h, h/r and h/r² and an order p, errors fall by R = rᵖ from one to the next. Richardson's
+extrapolation adds 1/(R − 1) of the last difference to the last result. What remains at step 0 is known to about the
+difference of two such extrapolations (L. F. Richardson, Phil. Trans. R. Soc. A 226 (1927) 299).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lie_rigid_body.conformance.cases import EngineCase, exact_motion
+from lie_rigid_body.conformance.mistakes import MotionArrays, Suspect
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.lie import quaternion
+
+Simulate: TypeAlias = Callable[[EngineCase, float], tuple[ArrayLike, ArrayLike, ArrayLike]]
+"""An engine: a case and a step, s, to times, s, attitudes and body rates after every step."""
+
+STEPS: Final = (20, 40, 80)
+"""Steps in a period, if no others are given."""
+DOUBLE: Final = 2.0**-53
+"""Unit round-off of a double: results are not more precise."""
+MAX_DIFFERENCE: Final = 0.2
+"""Largest difference between results at two steps, and largest effect of round-off, up to which results are judged:
+rad, or share of the rate. Beyond, angles do not add up like vectors."""
+MIN_INSTANTS: Final = 4
+"""Smallest number of instants that are judged, for a case to count."""
+MAX_OFF: Final = 0.01
+"""Largest distance of a returned time from a multiple of the step, in steps."""
+MAX_GROWTH: Final = 1e3
+"""Largest rate, as a multiple of that at the start; beyond, an engine has diverged."""
+MAX_PRECISION: Final = 1e-3
+"""Noise of results of which nothing is judged."""
+_MEDIAN: Final = 0.6745
+"""Median of the absolute values of normal noise of variance 1."""
+_LINE: Final = (0.48, 0.6, 0.64)
+"""Unit vector in the body, along none of its axes."""
+_MAX_LEVEL: Final = 24
+"""Highest difference by which noise is looked for."""
+
+
+class Track(NamedTuple):
+    """Results at one step, from the start on.
+
+    Attributes
+    ----------
+    step : float
+        s.
+    attitude_xyzw : ndarray, shape (N + 1, 4)
+        Of unit norm.
+    body_rate : ndarray, shape (N + 1, 3)
+        rad/s; NaN from where an engine diverges.
+    """
+
+    step: float
+    attitude_xyzw: Array
+    body_rate: Array
+
+
+def tracked(simulate: Simulate, case: EngineCase, count: int) -> Track:
+    """Run an engine with a number of steps.
+
+    Raises
+    ------
+    InputError
+        If it does not return a time, an attitude and a rate for every step.
+    """
+    step = case.duration / count
+    t_s, attitude, rate = map(np.asarray, simulate(case, step))
+    first = len(t_s) - count  # 1 where the start is returned as well
+    due = np.arange(1 - first, count + 1)
+    shapes = attitude.shape == (len(t_s), 4) and rate.shape == (len(t_s), 3)
+    if first not in (0, 1) or not shapes or np.abs(t_s / step - due).max() > MAX_OFF:
+        raise InputError(
+            f"{case.name}: shapes {t_s.shape}, {attitude.shape}, {rate.shape} for {count} steps of {step:.6g} s: "
+            "return times, attitudes and rates after every step"
+        )
+    with np.errstate(all="ignore"):  # an engine that diverges
+        attitude = quaternion.normalize(np.vstack([case.attitude_xyzw, attitude[first:]]))
+        rate = np.vstack([case.body_rate, rate[first:]])
+        lost = np.linalg.norm(rate, axis=1) > MAX_GROWTH * np.linalg.norm(case.body_rate)
+    rate[np.maximum.accumulate(lost | np.isnan(rate[:, 0]))] = np.nan
+    return Track(step, attitude, rate)
+
+
+def noise(values: Array) -> float:
+    """Noise of a smooth series, by its differences: that of float32 is found in results that are given as doubles.
+
+    The k-th difference of noise of variance s² has the variance (2k)!/(k!)² s², and that of a smooth series vanishes as
+    k grows: J. J. Moré, S. M. Wild, SIAM J. Sci. Comput. 33 (2011) 1292. The least over all k is taken.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, M)
+    """
+    found = np.inf
+    for k in range(1, min(_MAX_LEVEL, len(values) // 2) + 1):
+        values = np.diff(values, axis=0)
+        median = float(np.median(np.abs(values), axis=0).max())
+        found = min(found, median / (_MEDIAN * math.sqrt(math.comb(2 * k, k))))
+    return found
+
+
+def difference(one: MotionArrays, other: MotionArrays, speed: float) -> Array:
+    """Rotation from one attitude to another, rad, and difference of the rates as a share of a speed: shape (N, 6)."""
+    between = quaternion.multiply(quaternion.conjugate(one[0]), other[0])
+    return np.concatenate([quaternion.log(between), (other[1] - one[1]) / speed], axis=1)
+
+
+class CaseResults:
+    """Results of an engine in a case at three steps.
+
+    Parameters
+    ----------
+    simulate : callable
+    case : EngineCase
+    steps : tuple of 3 int
+        Numbers of steps in a period.
+
+    Attributes
+    ----------
+    ratio : int
+        Quotient of two steps, r.
+    tracks : list of Track
+        The largest step first.
+    speed : float
+        Norm of the rate at the start, rad/s.
+    t_s : ndarray, shape (N,)
+        Multiples of the largest step, s: results are compared at these times.
+    common : list of tuple
+        Attitudes and rates at these times, by steps.
+    """
+
+    def __init__(self, simulate: Simulate, case: EngineCase, steps: Sequence[int]) -> None:
+        self.case = case
+        self.ratio = steps[1] // steps[0]
+        self.speed = float(np.linalg.norm(case.body_rate))
+        count = math.ceil(steps[0] * case.duration / case.period)
+        strides = [self.ratio**i for i in range(3)]
+        self.tracks = [tracked(simulate, case, count * stride) for stride in strides]
+        self.t_s = self.tracks[0].step * np.arange(count + 1.0)
+        self.common = [
+            (track.attitude_xyzw[::stride], track.body_rate[::stride])
+            for track, stride in zip(self.tracks, strides, strict=True)
+        ]
+
+    @cached_property
+    def truth(self) -> MotionArrays:
+        """The exact attitudes and rates."""
+        return Suspect("", "", self.case.inertia).motion(self.case, self.t_s)
+
+    @cached_property
+    def precision(self) -> float:
+        """Noise at the smallest step of a line of the body in the world, or of the rate as a share of its norm."""
+        _, attitude, rate = self.tracks[-1]
+        values = np.hstack([quaternion.rotate(attitude, np.array(_LINE)), rate / self.speed])
+        return float(np.clip(noise(values[np.isfinite(values).all(axis=1)]), DOUBLE, MAX_PRECISION))
+
+    @cached_property
+    def floor(self) -> Array:
+        """Effect of round-off at each time, by exact motions whose rate at the start or inertia differ by it.
+
+        Each step rounds in units of the precision, and roundings of N steps add up to their √N-fold.
+        """
+        case = self.case
+        size = self.precision * math.sqrt(12.0 * len(self.tracks[-1].body_rate))
+        parted = np.full(len(self.t_s), size)
+        for axis in np.eye(3):
+            for inertia, rate in (
+                (case.inertia, case.body_rate + size * self.speed * axis),
+                (case.inertia + size * case.principal_moments[2] * np.diag(1.0 - axis), case.body_rate),
+            ):
+                near = exact_motion(inertia, case.attitude_xyzw, rate, self.t_s)
+                between = difference(self.truth, (near.attitude_xyzw, near.body_rate), self.speed)
+                parted = np.maximum(parted, np.linalg.norm(between, axis=1))
+        return np.maximum.accumulate(parted)
+
+    @cached_property
+    def differences(self) -> MotionArrays:
+        """From the second to the first result, and from the third to the second."""
+        first, second, third = self.common
+        return difference(second, first, self.speed), difference(third, second, self.speed)
+
+    @cached_property
+    def judged(self) -> int:
+        """Number of instants from the start on that are judged; 0 where they are too few."""
+        sizes = [np.abs(each).max(axis=1) for each in self.differences]
+        count = int(np.cumprod(np.maximum.reduce([*sizes, self.floor]) < MAX_DIFFERENCE).sum())
+        return count if count >= MIN_INSTANTS else 0
+
+    def order_of(self, part: slice) -> float | None:
+        """Order of a part of the results: the median of the logᵣ of ratios of differences.
+
+        None where most differences are below the precision.
+        """
+        coarse, fine = (np.linalg.norm(d[1 : self.judged, part], axis=1) for d in self.differences)
+        clear = fine > self.floor[1 : self.judged]
+        return float(np.median(np.log(coarse / fine)[clear])) / math.log(self.ratio) if clear.mean() > 0.5 else None
+
+    @cached_property
+    def order(self) -> float | None:
+        """Order of attitude and rate together; None where it is not judged."""
+        return self.order_of(slice(6)) if self.judged else None
+
+    def at_step_0(self, coarse: Array, fine: Array) -> MotionArrays:
+        """Addition to the result at the smallest step, and how well it is known, from two differences.
+
+        The order is taken as the nearest whole one, from 1 on.
+        """
+        R = float(self.ratio ** max(1, round(self.order or 1.0)))
+        return -fine / (R - 1.0), (R * fine - coarse) / (R - 1.0)
+
+    def remains(self, motion: MotionArrays) -> float:
+        """Distance at step 0 from a motion, in units of how well that is known: the median over time."""
+        added, unknown = self.at_step_0(*self.differences)
+        left = difference(motion, self.common[-1], self.speed) + added
+        known_to = np.linalg.norm(unknown, axis=1) + self.floor
+        return float(np.median((np.linalg.norm(left, axis=1) / known_to)[1 : self.judged]))
+
+    @cached_property
+    def energy(self) -> Array:
+        """Change of the kinetic energy as a share of that at the start, by steps: shape (3, N)."""
+        energies = np.array([np.sum(rate * (rate @ self.case.inertia), axis=1) for _, rate in self.common])
+        return np.asarray(energies / energies[0, 0] - 1.0)
+
+    @cached_property
+    def momentum(self) -> Array:
+        """Momentum in the world's axes at the smallest step, in units of its norm at the start: shape (N, 3)."""
+        attitude, rate = self.common[-1]
+        momentum = quaternion.rotate(attitude, rate @ self.case.inertia)
+        return np.asarray(momentum / np.linalg.norm(momentum[0]))

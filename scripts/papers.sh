@@ -1,0 +1,7 @@
+#!/bin/sh
+# Published numbers beside ours.
+set -eu
+cd "$(dirname "$0")/.."
+
+environment=$(scripts/environment.sh tests)
+exec "$environment/bin/python" benchmarks/papers.py "$@"

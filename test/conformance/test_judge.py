@@ -1,0 +1,157 @@
+"""Engines are judged: integrators of our own, right and with each mistake put in, in double and single precision."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from judged.own import MISTAKES, ONE_SIDED, RIGHT, engine, exact, expected
+from lie_rigid_body.conformance import CASES, Conformance, judge
+from lie_rigid_body.conformance.results import noise
+from lie_rigid_body.foundation.errors import InputError
+from sampled import sampled
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "engine" / "free_body.cpp"
+ORDERS = (
+    dict.fromkeys(RIGHT, 2.0) | dict.fromkeys([name for name in RIGHT if name.endswith("Euler")], 1.0) | {"RK4": 4.0}
+)
+PUT_IN = [mistake for mistake in MISTAKES if mistake]
+pytestmark = pytest.mark.long
+
+
+@lru_cache(maxsize=8)
+def judged(name: str, mistake: str = "", kind: str = "float64") -> Conformance:
+    return judge(engine(name, mistake, kind))
+
+
+def codes(found: Conformance) -> set[str]:
+    return {mistake.code for mistake in found.mistakes}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_right_engine_has_no_mistake_and_its_order(name):
+    found = judged(name)
+    assert codes(found) == set()
+    orders = [row.order for row in found.rows if row.order != "not judged"]
+    assert len(orders) >= 10
+    assert np.median(orders) == pytest.approx(ORDERS[name], abs=0.5)
+    assert ("first_order" in {note.code for note in found.notes}) == (ORDERS[name] == 1.0)
+    assert "unexplained" not in {note.code for note in found.notes}
+
+
+@pytest.mark.parametrize("name", sampled([name for name in RIGHT if name != "explicit Euler"], every=4))
+def test_a_right_engine_in_single_precision_has_no_mistake(name):
+    found = judged(name, kind="float32")
+    assert codes(found) == set()
+    precisions = [row.precision for row in found.rows]
+    assert 1e-9 < np.median(precisions) < 1e-7
+    [turning] = [row for row in found.rows if row.case == "dzhanibekov_1e-9"]
+    assert turning.order == "not judged" or ORDERS[name] == 1.0
+
+
+@pytest.mark.parametrize("mistake", PUT_IN)
+@pytest.mark.parametrize(
+    "name", sampled(["semi-implicit Euler", "RK4", *sorted({*RIGHT} - {"semi-implicit Euler", "RK4"})], every=9)
+)
+def test_a_mistake_is_named(name, mistake):
+    found = judged(name, mistake)
+    assert codes(found) == expected(name, mistake)
+    assert all(mistake.cases for mistake in found.mistakes)
+
+
+@pytest.mark.parametrize("mistake", sampled(PUT_IN, every=4))
+def test_a_mistake_is_named_in_single_precision(mistake):
+    name = "semi-implicit Euler" if mistake == "momentum clamped" else "RK4"
+    assert codes(judged(name, mistake, "float32")) == {MISTAKES[mistake]}
+
+
+@pytest.mark.parametrize("kind", ["float64", "float32"])
+@pytest.mark.parametrize("name", ONE_SIDED)
+def test_an_attitude_that_takes_the_rate_of_one_end_is_named(name, kind):
+    found = judged(name, kind=kind)
+    assert codes(found) == {"attitude_order"}
+    assert name.rpartition(" ")[2] in found.mistakes[0].message
+
+
+def test_an_engine_without_error_is_not_judged():
+    found = judge(exact)
+    assert codes(found) == set()
+    assert {row.order for row in found.rows} == {"not judged"}
+    assert {row.error_rad for row in found.rows} == {"not judged"}
+    assert "not judged" in str(found)
+
+
+def test_the_start_may_be_returned_as_well_and_signs_of_quaternions_do_not_matter():
+    def with_start(case, step):
+        t_s, q, w = engine("RK4")(case, step)
+        signs = np.where(np.arange(len(q) + 1) % 3 == 0, -1.0, 1.0)[:, np.newaxis]
+        return np.append(0.0, t_s), signs * np.vstack([case.attitude_xyzw, q]), np.vstack([case.body_rate, w])
+
+    assert judge(with_start).rows == judged("RK4").rows
+
+
+def test_steps_may_be_given():
+    found = judge(engine("implicit midpoint"), steps=(30, 90, 270))
+    assert np.median([row.order for row in found.rows if row.order != "not judged"]) == pytest.approx(2.0, abs=0.1)
+    with pytest.raises(InputError, match="20, 40, 80"):
+        judge(engine("RK4"), steps=(20, 40, 90))
+
+
+def test_an_engine_that_diverges_is_told_so():
+    def diverges(case, step):
+        t_s, q, w = engine("RK4")(case, step)
+        w[len(w) // 2 :] = np.inf
+        return t_s, q, w
+
+    assert {row.error_rad for row in judge(diverges).rows} | {row.energy_drift for row in judge(diverges).rows} >= {
+        np.inf
+    }
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda t, q, w: (t[:-1], q[:-1], w[:-1]),
+        lambda t, q, w: (t, q[:, :3], w),
+        lambda t, q, w: (1.1 * t, q, w),
+        lambda t, q, w: (t, q, w[1:]),
+    ],
+)
+def test_what_is_no_answer_for_every_step_is_refused(wrong):
+    with pytest.raises(InputError, match="tumble"):
+        judge(lambda case, step: wrong(*exact(case, step)))
+
+
+def test_everything_is_text_and_numbers():
+    found = judged("semi-implicit Euler", "no gyroscopic term").to_dict()
+    assert json.loads(json.dumps(found))["mistakes"][0]["code"] == "gyroscopic_term_missing"
+    assert [row["case"] for row in found["rows"]] == [case.name for case in CASES]
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-7, 1e-4])
+def test_noise_of_a_smooth_series_is_found(size):
+    t = np.linspace(0.0, 20.0, 1000)[:, np.newaxis]
+    smooth = np.hstack([np.sin(3 * t), 1.0 / np.cosh(t - 10)])
+    assert noise(smooth) < 1e-15
+    random = np.random.default_rng(1).normal(scale=size, size=smooth.shape)
+    assert noise(smooth + random) == pytest.approx(size, rel=0.25)
+
+
+def test_the_example_in_another_language_is_right(tmp_path):
+    compiler = shutil.which("g++") or shutil.which("clang++")
+    if compiler is None:
+        pytest.skip("there is no compiler of C++")
+    built = tmp_path / "free_body"
+    subprocess.run([compiler, "-O2", "-o", built, EXAMPLE], check=True)
+    script = EXAMPLE.with_name("judge_program.py")
+    printed = subprocess.run([sys.executable, script, built], capture_output=True, text=True, check=True).stdout
+    assert "no mistake found" in printed
+    orders = [float(order) for line in printed.splitlines()[1:13] if (order := line.split()[1]) != "not"]
+    assert np.median(orders) == pytest.approx(4.0, abs=0.2)
