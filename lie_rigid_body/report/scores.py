@@ -341,7 +341,7 @@ def _scale(axes: Axes, curves: Sequence[Array]) -> None:
     positive = [curve[curve > 0.0] for curve in curves if (curve > 0.0).any()]
     wide = top > _WIDE_SPAN * float(np.median(curves[0])) > 0.0
     if positive and (wide or len(curves) > 1):
-        bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * top)
+        bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * float(curves[0].max()))
         axes.set(yscale="log", ylim=(bottom / 1.5, 1.5 * top))
     else:
         axes.set_ylim(0.0, 1.05 * top or 1.0)

@@ -98,7 +98,7 @@ def test_a_workflow_does_in_the_container_of_ros_what_users_do() -> None:
 
 def test_a_run_of_tests_without_a_test_fails() -> None:
     """As colcon calls it good where pytest has collected nothing, which it says by a status of its own."""
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", __file__, "-k", "of_no_such_name"]
+    command = [sys.executable, "-m", "pytest", __file__, "-k", "of_no_such_name"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1, done.stdout
 
