@@ -38,6 +38,7 @@ from lie_rigid_body import (
 from lie_rigid_body import sensors as table
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.conformance import CASES, Conformance, EngineMistake, EngineRow
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
 from lie_rigid_body.evaluation import cramer_rao_bound
 from lie_rigid_body.foundation import errors as errors_room
@@ -91,7 +92,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
     ]
     found += [mechanics.box(1.0, [0.1, 0.2, 0.3]), LOOP, *errors()]
     found += [*of_a_run(tmp_path_factory.mktemp("bags") / "run.mcap"), *of_a_score(), *of_the_league(), *of_a_group()]
-    found += of_an_inspection()
+    found += [*of_an_inspection(), *of_an_engine()]
     if find_spec("flint"):
         from lie_rigid_body.proof import FlintMissingError, enclose
 
@@ -113,6 +114,12 @@ def of_an_inspection() -> list[Any]:
         *parts,
         Inspection((mistake,), (undecided,), (note,), {"gyro_noise_density": estimated}, run, (mark,), {}, {}),
     ]
+
+
+def of_an_engine() -> list[Any]:
+    row = EngineRow("a case", 2.0, 1e-3, "not judged", 1e-9, 1e-16)
+    found = EngineMistake("damped", "a message" * 50, ("a case",))
+    return [CASES[0], row, found, Conformance((row,), (found,), (found,))]
 
 
 def errors() -> list[Exception]:
