@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _ROS_BEGIN: Final = "--ros-args"
 _JSON: Final = "--json"
 STDOUT: Final = ""
-"""What is in the place of the file of ``--json`` where it is given none."""
+"""Value of ``--json`` where it is given no file."""
 JSON_SUFFIX: Final = ".json"
 
 Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]

@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from league.contender import Filter, Setting
 from league.readings import Readings
+from lie_rigid_body.league.playing import MIN_SHARE
 from lie_rigid_body.league.table import LOST_DEG
 
 BROAD_HZ: Final = 2000.0 / 7.0
@@ -94,7 +95,7 @@ def error_deg(each: Filter, setting: Setting, recording: Recording) -> float:
     except (ValueError, np.linalg.LinAlgError):
         return LOST_DEG
     counted = recording.counted & np.isfinite(found).all(axis=1)
-    if counted.sum() < 0.9 * recording.counted.sum():
+    if counted.sum() < MIN_SHARE * recording.counted.sum():
         return LOST_DEG
     angles = (Rotation.from_quat(found[counted]).inv() * recording.truth[counted]).magnitude()
     return float(np.degrees(np.sqrt(np.mean(angles**2))))

@@ -110,8 +110,7 @@ class SegmentLaws:
 
     def _attitude_and_rate(self, recorded: State, norm: Array, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Attitude and rate, and the norm and the sign of the quaternions, which are recorded with that norm."""
-        x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, recorded.attitude_xyzw.T)
-        angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
+        angle, cosine = angles_between(exact.attitude_xyzw, recorded.attitude_xyzw)
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
         angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
         yield angle + closed_form_error(speeds, elapsed_ns), self._limit
@@ -152,6 +151,12 @@ class SegmentLaws:
             law = laws[broken]
             laws[broken] = replace(law, message=law.message + remedy(self._segment.scenario, law.worst, law.limit))
         return SegmentResults(tuple(laws), self._is_exact)
+
+
+def angles_between(exact_xyzw: Array, recorded_xyzw: Array) -> tuple[Array, Array]:
+    """Angles between attitudes, rad, and cosines of half of them, which are negative where the signs differ: (N,)."""
+    x, y, z, cosine = quaternion.product(quaternion.conjugate(exact_xyzw).T, recorded_xyzw.T)
+    return 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine)), cosine
 
 
 def _relative(residuals: Array, scale: Array | float) -> Array:

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
+from lie_rigid_body.certificate.laws import angles_between
 from lie_rigid_body.certificate.limits import PATH_ERROR, TRANSLATION_ERROR, max_attitude_error
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.lie import quaternion, vectors
+from lie_rigid_body.lie import vectors
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.segments import segment_parts
 from lie_rigid_body.simulation import Segment
@@ -50,8 +51,7 @@ def transforms(
             judged += len(part)
             elapsed_ns = part.stamps_ns - segments[i].start_ns
             exact = scenario.exact_motion().at(elapsed_ns)
-            x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, part.attitude_xyzw.T)
-            angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
+            angle, _ = angles_between(exact.attitude_xyzw, part.attitude_xyzw)
             limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
             attitude.add(angle, limit, numbers, part.stamps_ns)
             assert part.position is not None

@@ -115,11 +115,6 @@ class Case:
             filter(None, (self.group, self.speed, "rests" * self.rests, self.fault, self.grade, str(self.seed)))
         )
 
-    @property
-    def name(self) -> str:
-        """Motion and fault, in words."""
-        return " ".join(filter(None, (self.speed, self.group, "with rests" * self.rests, self.fault)))
-
     def parameters(self) -> dict[str, Any]:
         """Parameters of its scenario."""
         names = ["sensors"]

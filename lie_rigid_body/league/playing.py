@@ -11,8 +11,8 @@ import numpy as np
 
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import bias_error
-from lie_rigid_body.evaluation.causes import BY_CODE, undone
-from lie_rigid_body.evaluation.matched import Matched
+from lie_rigid_body.evaluation.causes import BY_CODE
+from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.statistics import largest_of_second_half, rms, settling_limit, time_to_converge
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league.cases import CASES, SETTLED_S, WIRING, Case, readings_hash, run_of
@@ -44,14 +44,9 @@ class Constant(NamedTuple):
         """Sentence about what is wrong, without a full stop."""
         return BY_CODE[self.code].fact(np.array(self.values))
 
-    def left(self, track: Matched) -> float:
+    def left_deg(self, track: Matched) -> float:
         """RMS of the total error of a track without the constant, degrees."""
-        return rms_deg(undone(track, [(BY_CODE[self.code], np.array(self.values))]))
-
-
-def rms_deg(track: Matched) -> float:
-    """RMS of the total error where the truth is known, degrees."""
-    return float(np.degrees(rms(track.known().error().total)))
+        return float(np.degrees(BY_CODE[self.code].left([track], np.array(self.values))))
 
 
 def play(name: str, source: Source, *, workers: int, timeout_s: float, progress: Callable[[], object]) -> FilterRow:
@@ -144,16 +139,16 @@ def play_case(estimate: Estimator, case: Case, constant: Constant | None = None)
         of_axis[2],
         converged_s=time_to_converge(t_s, total, settling_limit(largest_of_second_half(t_s, total))),
         gyro_bias_rms_rad_s=off,
-        without_constant_deg=constant.left(track[settled]) if constant else None,
+        without_constant_deg=constant.left_deg(track[settled]) if constant else None,
     )
     return result, constant
 
 
 def _constant(track: Matched) -> Constant | None:
     """The one constant that explains most of an error; None where none does."""
-    found = [Constant(code, tuple(BY_CODE[code].fitted([track.known()])[0].tolist())) for code in CONSTANTS]
-    best = min(found, key=lambda constant: constant.left(track))
-    return best if best.left(track) < MOST * rms_deg(track) else None
+    fits = {code: BY_CODE[code].fitted([track]) for code in CONSTANTS}
+    code, (values, left) = min(fits.items(), key=lambda fit: fit[1][1])
+    return Constant(code, tuple(values.tolist())) if left < MOST * error_of([track]) else None
 
 
 def lost(failure: InputError) -> CaseResult:
