@@ -31,7 +31,7 @@ from scipy.stats import kendalltau
 from league import recordings
 from league.contender import Setting, filters
 from league.kept import each, key_of
-from league.page import TUNED
+from league.page import DIGITS, TUNED
 from lie_rigid_body.league.table import FilterRow, reference
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ TRIAL: Final = (
     *("vqf VQF", "vqf offlineVQF", "vqf BasicVQF", "imufusion Ahrs"),
     *(f"ahrs {name}" for name in ("Madgwick", "EKF", "AQUA", "Mahony", "ROLEQ", "Fourati", "SAAM", "Tilt")),
 )
-"""Filters of the trial in which τ was first measured."""
+"""Filters of the trial in which τ was first measured, but for one that is not on PyPI."""
 TIE: Final = 0.05
 """Share of an error by which another may differ and count as the same."""
 RESAMPLES: Final = 1000
@@ -144,7 +144,7 @@ def compared(name: str, table: Array, ours: Array) -> str:
 
 def main() -> None:
     """Print the table, what agrees, and what is advised."""
-    parser = argparse.ArgumentParser(description="Filters of the league over real recordings.")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True, help="folder of mat, hdf5 or npz files")
     parser.add_argument("--motions", action="store_true", help="print how the recordings move, and run no filter")
     parser.add_argument("--save", action="store_true", help="write the numbers of the page about the league")
@@ -182,21 +182,19 @@ def main() -> None:
             "recordings": [recording.name for recording in recorded(given.data)],
             "attribution": "D. Laidig, M. Caruso, A. Cereatti, T. Seel, BROAD, Data 6(7):72, 2021",
             "licence": "CC BY 4.0",
-            "errors_deg": {
-                row.name: [float(f"{error:.4g}") for error in line]
-                for (row, _, _), line in zip(playing, table, strict=True)
-            },
+            "errors_deg": {row.name: line.tolist() for (row, _, _), line in zip(playing, table, strict=True)},
         }
         recordings.NUMBERS.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 def errors(folder: Path, playing: Sequence[tuple[int, Setting]]) -> Array:
-    """Errors of filters with settings on the recordings of a folder, degrees, shape (F, R)."""
+    """Errors of filters with settings on the recordings of a folder, degrees, shape (F, R), rounded as the page is."""
     jobs = [Job(*one, k) for k in range(len(recorded(folder))) for one in playing]
     keys = [key_of(filters()[job.number], job.setting, recorded(folder)[job.recording].digest) for job in jobs]
     with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         found = each(pool, partial(played, folder), jobs, keys, "recordings")
-    return np.reshape(found, (len(recorded(folder)), len(playing))).T
+    shown = [float(f"{error:.{DIGITS}g}") for error in found]
+    return np.reshape(shown, (len(recorded(folder)), len(playing))).T
 
 
 if __name__ == "__main__":

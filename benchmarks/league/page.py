@@ -12,7 +12,7 @@ import numpy as np
 from league.contender import Setting
 from league.tournament import Entry
 from lie_rigid_body.evaluation.differences import Difference
-from lie_rigid_body.league.cases import CASES, WIRING, Case
+from lie_rigid_body.league.cases import CASES, Case
 from lie_rigid_body.league.table import BOUND, CaseResult, FilterRow, LeagueTable, rank_with_ties
 from lie_rigid_body.report.filters import HEADINGS, cells_of_row
 
@@ -34,7 +34,6 @@ def row_of(entry: Entry, *, tuned: bool) -> FilterRow:
         TUNED * tuned,
         {grade: dict(each.setting) for grade, each in entry.advice.items()} if tuned else {},
         entry.filter.sees_future,
-        entry.defaults[WIRING].constant,
     )
 
 

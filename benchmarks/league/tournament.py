@@ -14,7 +14,7 @@ from league.contender import DEFAULTS, Filter, Setting, filters
 from league.kept import each, key_of
 from lie_rigid_body import Run
 from lie_rigid_body.evaluation.differences import Difference, best_point, of_runs
-from lie_rigid_body.league.cases import CASES, FAULTY, GRADES, RANKED, SEEDS, SETTLED_S, Case, readings_hash, run_of
+from lie_rigid_body.league.cases import CASES, GRADES, RANKED, SEEDS, SETTLED_S, WIRING, Case, readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult
 
@@ -46,13 +46,10 @@ class Result:
     errors : CaseResult
     cost : float
         CPU time of an update, µs; NaN where it failed.
-    constant : str
-        What explains most of its error with perfect sensors.
     """
 
     errors: CaseResult
     cost: float
-    constant: str
 
 
 @dataclass(frozen=True)
@@ -94,8 +91,8 @@ def score(job: Job) -> dict[str, Any]:
         costs.append(1e6 * (time.process_time() - begin) / len(answer[0]))
         return answer
 
-    errors, constant = play_case(estimate, job.case)
-    return asdict(Result(errors, costs[-1], constant.message if constant else ""))
+    errors, _ = play_case(estimate, job.case)
+    return asdict(Result(errors, costs[-1]))
 
 
 def bound(case: Case) -> float | None:
@@ -125,9 +122,9 @@ def play(workers: int) -> tuple[list[Entry], dict[Case, str], dict[str, float]]:
         chosen = {(n, grade): best_setting(n, grade, tried) for n in tunable for grade in GRADES}
         jobs = [
             Job(n, case, setting)
-            for case in (*RANKED, *FAULTY)
+            for case in CASES
             for (n, grade), setting in chosen.items()
-            if setting and (case.grade == grade or case in UNSEEN)
+            if setting and (setting_for(case) == grade or case in UNSEEN)
         ]
         tuned = results(pool, jobs, hashes, "chosen settings")
     entries = [entry(n, chosen, {**defaults, **tuned}) for n in everyone]
@@ -147,9 +144,7 @@ def results(pool: Executor, jobs: Sequence[Job], hashes: Mapping[Case, str], nam
     """Results of some jobs, of which those that are kept are not made again."""
     keys = [key_of(filters()[job.number], job.setting, hashes[job.case]) for job in jobs]
     return {
-        (job.number, job.case, tuple(job.setting.items())): Result(
-            CaseResult(**found["errors"]), found["cost"], found["constant"]
-        )
+        (job.number, job.case, tuple(job.setting.items())): Result(CaseResult(**found["errors"]), found["cost"])
         for job, found in zip(jobs, each(pool, score, jobs, keys, name), strict=True)
     }
 
@@ -158,6 +153,11 @@ def totals(number: int, cases: Sequence[Case], setting: Setting, found: Results)
     """Errors of a filter with a setting in some cases, degrees; NaN where it failed."""
     errors = [found[number, case, tuple(setting.items())].errors for case in cases]
     return np.array([np.nan if each.failure else each.total_deg for each in errors])
+
+
+def setting_for(case: Case) -> str:
+    """Grade whose setting is taken in a case: the nearest one for perfect sensors."""
+    return "tactical" if case == WIRING else case.grade
 
 
 def best_setting(number: int, grade: str, tried: Results) -> Setting:
@@ -183,8 +183,6 @@ def entry(number: int, chosen: Mapping[tuple[int, str], Setting], found: Results
             if all(each.is_shown and each.ratio < 1.0 for each in ratios.values()):
                 advice[grade] = Advice(setting, ratios[grade])
     defaults = {case: found[number, case, ()] for case in CASES}
-    tuned = {
-        case: found[number, case, tuple(advice[case.grade].setting.items())] if case.grade in advice else result
-        for case, result in defaults.items()
-    }
+    settings = {grade: tuple(each.setting.items()) for grade, each in advice.items()}
+    tuned = {case: found[number, case, settings.get(setting_for(case), ())] for case in CASES}
     return Entry(filters()[number], defaults, advice, tuned)

@@ -40,7 +40,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.estimates.estimators import source_of
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
-    from lie_rigid_body.league.table import rows_of
+    from lie_rigid_body.league.table import require_names, rows_of
     from lie_rigid_body.report.answer import as_page, as_text
     from lie_rigid_body.report.filters import parts_of_league
     from lie_rigid_body.report.outputs import emit, require_outputs
@@ -51,6 +51,7 @@ def main(given: argparse.Namespace) -> int:
     )
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
+    require_names([*([name] if estimate else []), *(row.name for row in (*own, *reference().rows))])
     if estimate is not None:
         source = source_of(estimate)
         assert source is not None  # it is no function

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import closing, suppress
+from dataclasses import replace
 from functools import partial
 from typing import Final, NamedTuple
 
@@ -85,7 +86,8 @@ def play(name: str, source: Source, *, workers: int, timeout_s: float, progress:
                 progress()
     if all(result.failure for result in results.values()):
         raise InputError(f"{name} gave no estimate in any case: {results[str(CASES[0])].failure}")
-    return FilterRow(name, results, constant=constant.message if constant else "", other_readings=tuple(other))
+    row = FilterRow(name, results, constant=constant.message if constant else "", other_readings=tuple(other))
+    return row if row.explained else replace(row, constant="")
 
 
 def _play_here(estimate: Estimator, case: Case, constant: Constant | None) -> tuple[CaseResult, Constant | None, str]:

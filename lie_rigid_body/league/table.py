@@ -6,8 +6,7 @@ import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property, lru_cache, partial
-from itertools import takewhile
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +16,7 @@ from lie_rigid_body.evaluation.differences import geometric_mean, of_runs
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import call_repr, counted, listed, shown
-from lie_rigid_body.league.cases import CASES, GRADES, GROUPS, RANKED, WIRING, Case
+from lie_rigid_body.league.cases import CASES, GRADES, GROUPS, RANKED, SETTLED_S, WIRING, Case
 from lie_rigid_body.scenario.parameter_file import CONFIG
 from lie_rigid_body.system.bounded_input import load_json, read_text
 
@@ -183,7 +182,7 @@ class FilterRow:
                 and all(map(str.isprintable, texts))
                 and len(results) == len(CASES)
                 and all(
-                    _is_size(size)
+                    _is_size(size, LOST_DEG if name.endswith("_deg") else sys.float_info.max)
                     for each in of_cases
                     for name, size in each.items()
                     if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
@@ -199,9 +198,9 @@ class FilterRow:
         return row
 
 
-def _is_size(value: object) -> bool:
-    """Whether a value of JSON is a finite number that is not below 0."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= sys.float_info.max
+def _is_size(value: object, largest: float) -> bool:
+    """Whether a value of JSON is a number from 0 to the largest one."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= largest
 
 
 @dataclass(frozen=True)
@@ -261,9 +260,10 @@ class LeagueTable:
     def tied(self, row: FilterRow) -> list[FilterRow]:
         """Neighbours of a row in rank, up and down, from which it is not shown to differ, best first.
 
-        By pairs of the cases by which filters are ranked, at 5 % each.
+        No two rows from one to the other are shown to differ, by pairs of the cases by which filters are ranked, at 5 %
+        each: of two rows both are tied with the other, or none.
         """
-        up, down = ([*takewhile(partial(_alike, row), rows)] for rows in self._neighbours(row))
+        up, down = (_alike_from(row, others) for others in self._neighbours(row))
         return [*reversed(up), *down]
 
     def nearest_other(self, row: FilterRow) -> list[FilterRow]:
@@ -279,6 +279,29 @@ def _place(row: FilterRow) -> tuple[bool, float]:
 def _alike(row: FilterRow, other: FilterRow) -> bool:
     """Whether no difference of two rows is shown."""
     return not of_runs(row.of(RANKED), other.of(RANKED)).is_shown
+
+
+def _alike_from(row: FilterRow, others: Iterable[FilterRow]) -> list[FilterRow]:
+    """The first of some rows, until two of these and a row are shown to differ."""
+    alike = [row]
+    for other in others:
+        if not all(_alike(each, other) for each in alike):
+            break
+        alike.append(other)
+    return alike[1:]
+
+
+def require_names(names: Sequence[str]) -> None:
+    """Refuse rows of which two have one name.
+
+    Raises
+    ------
+    InputError
+        If two have.
+    """
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"two rows are called {shown(twice)}: give each once, or change 'filter' in the file of one")
 
 
 def rows_of(path: str | Path) -> list[FilterRow]:
@@ -326,14 +349,16 @@ def rank_with_ties(table: LeagueTable, row: FilterRow) -> str:
 
 def standing(table: LeagueTable, row: FilterRow) -> str:
     """Sentences about the place of a row in a table that has it."""
-    best, *_, worst = sorted(GROUPS, key=lambda group: table.rank_in(row, group))
+    ranks = {group: table.rank_in(row, group) for group in GROUPS}
+    best, worst = min(ranks, key=ranks.__getitem__), max(ranks, key=ranks.__getitem__)
     failed = [name for name, result in row.results.items() if result.failure]
     biases = row.of(RANKED, "gyro_bias_rms_rad_s")
     sentences = (
         f"{row.name} is number {rank_with_ties(table, row)} of {len(table.rows)}, with {angle(row.overall_deg)}° "
         f"overall, where the Cramér–Rao bound without dynamics is {angle(table.bound.overall_deg)}°.",
-        f"It is best at {best} (number {table.rank_in(row, best)}) and worst at {worst} "
-        f"(number {table.rank_in(row, worst)}).",
+        f"By rank it is best at {best} (number {ranks[best]}) and worst at {worst} (number {ranks[worst]})."
+        if ranks[best] < ranks[worst]
+        else "",
         *(
             f"{of_runs(row.of(RANKED), other.of(RANKED)).sentence(row.name, other.name)}."
             for other in table.nearest_other(row)
@@ -342,8 +367,8 @@ def standing(table: LeagueTable, row: FilterRow) -> str:
         f"would be number {table.rank_without_constant(row)}."
         if row.explained
         else "",
-        f"With perfect sensors its error is {angle(row.results[str(WIRING)].total_deg)}°: its wiring is in doubt, so "
-        "it stands at the end."
+        f"With perfect sensors its error is {angle(row.results[str(WIRING)].total_deg)}°: its wiring is in doubt, "
+        f"or it does not settle in {SETTLED_S:g} s, so it stands at the end."
         if not row.is_wired
         else "",
         f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case." if np.isfinite(biases).any() else "",

@@ -60,6 +60,10 @@ def cheat(run):
     return run.attitude().at(run.imu.t_ns)
 
 
+def turned(run):
+    return (Rotation.from_rotvec([0.0, 0.0, 1.0]) * Rotation.from_quat(triad(run))).as_quat()
+
+
 def at_times(run):
     if run.scenario.parameters().get("magnetic_disturbance_interval", 0.0):
         raise ValueError("a passing field")
@@ -165,6 +169,21 @@ def test_rows_are_tied_with_neighbours_from_which_the_cases_show_no_difference()
     assert FilterRow.from_json(json.loads(json.dumps(content))) == near[1]
 
 
+def test_of_two_rows_both_are_tied_or_none():
+    """A scattered row differs from none by itself: it is tied only with such as do not differ among themselves."""
+    draws = np.random.default_rng(3)
+    widths = dict.fromkeys("abcdef", 0.01) | {"c": 2.0}
+    rows = [
+        row(name, 1.0, **{str(case): size * float(np.exp(width * draws.normal())) for case in RANKED})
+        for size, (name, width) in zip(1.01 ** np.arange(6), widths.items(), strict=True)
+    ]
+    table = LeagueTable((), {}, {}).with_rows(rows)
+    ties = {each.name: {other.name for other in table.tied(each)} for each in table.rows}
+    assert all((one in ties[other]) == (other in ties[one]) for one in ties for other in ties)
+    assert any(ties.values())
+    assert len(ties["c"]) < 3
+
+
 def test_a_hash_sees_more_than_round_off():
     run = run_of(MEMS)
     digest = readings_hash(run)
@@ -265,6 +284,19 @@ def test_a_flag_is_no_size_of_an_error(value: bool) -> None:
 
 
 @pytest.mark.slow
+def test_the_constant_that_explains_most_of_an_error_is_named(folder, monkeypatch, capsys):
+    """A turn of 1 rad about the vertical; without it the row is that of TRIAD."""
+    monkeypatch.chdir(folder)
+    assert main(["league_filters:turned", "--json"]) == 0
+    mine = FilterRow.from_json(json.loads(capsys.readouterr().out)["rows"][0])
+    assert "57.3" in mine.constant
+    like = next(each for each in reference().rows if each.name == "ahrs TRIAD")
+    assert mine.overall("without_constant_deg") == pytest.approx(like.overall_deg, rel=0.2)
+    assert main(["league_filters:triad", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["rows"][0]["constant"] == ""
+
+
+@pytest.mark.slow
 def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     assert main(["league_filters:at_times"]) == 0
@@ -300,6 +332,16 @@ def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_
     assert not {"YAML", "char", "__init__()", "object", "None"} & set(re.findall(r"\w+(?:\(\))?", line))
 
 
+def test_each_row_has_a_name_of_its_own(tmp_path, capsys):
+    """Known before the filter is run."""
+    path = tmp_path / "rows.json"
+    path.write_text(json.dumps({"edition": EDITION, "rows": [row("my_filter:estimate", 1.0).to_json()]}))
+    for command in (["--with", str(path), "--with", str(path)], ["my_filter:estimate", "--with", str(path)]):
+        assert main(command) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "my_filter:estimate" in line
+
+
 WRONG_NAMES: list[Any] = [-1, True, None, [], "", "a\nb | forged row"]
 WRONG_FLAGS: list[Any] = [None, 1, "x", []]
 WRONG_CASES: list[Any] = [5, str(MEMS), ["no case"], [[]]]
@@ -318,7 +360,7 @@ def changed(name: str, value: object) -> dict[str, object]:
     ("name", "value"),
     [
         *[("filter", wrong) for wrong in WRONG_NAMES],
-        *[(name, wrong) for name in ("total_deg", "heading_deg") for wrong in WRONG_ERRORS],
+        *[(name, wrong) for name in ("total_deg", "heading_deg") for wrong in (*WRONG_ERRORS, 180.5)],
         *[("converged_s", wrong) for wrong in WRONG_ERRORS[1:]],
         *[("sees_future", wrong) for wrong in WRONG_FLAGS],
         *[("other_readings", wrong) for wrong in WRONG_CASES],
