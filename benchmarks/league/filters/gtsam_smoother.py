@@ -23,8 +23,11 @@ def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-4, vectors: f
     direction = gtsam.noiseModel.Isotropic.Sigma(2, vectors)
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     nodes = range(0, len(given.t_ns), SPAN)
+    begin = given.first_attitude
     for i, k in enumerate(nodes):
-        values.insert(R(i), gtsam.Rot3(given.attitude_of(k).as_matrix()))
+        for reading in given.gyro[max(k - SPAN + 1, 0) : k + 1] if i else ():
+            begin = begin * Rotation.from_rotvec(reading * given.dt)
+        values.insert(R(i), gtsam.Rot3(begin.as_matrix()))
         for reference, reading in ((UP, given.acc[k]), (given.field, given.mag[k])):
             graph.add(gtsam.AttitudeFactorRot3(R(i), gtsam.Unit3(reference), direction, gtsam.Unit3(reading)))
         if i % BIAS_SPAN == 0:
