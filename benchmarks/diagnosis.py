@@ -232,6 +232,8 @@ BODY_AXES: Final = Repair("put", "gyro on the body's axes", change=_on_body_axes
 def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     """What is named of a mistake in a filter, without probes: ``named``, ``other`` or ``nothing``, and what.
 
+    A mistake of a sensor that only the first answer hears is ``first answer``: a repair that changes that is not named.
+
     Of two mistakes one may have no effect, as one of the gyro in a filter that does not use it. Then the other alone,
     whose repair leaves less than the floor, is all that there is to name.
     """
@@ -241,6 +243,9 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
         return number, mistake, "no effect", ""
     watched.search.run()
     found = watched.search.choice()
+    deaf = {SENSOR_READINGS[sensor] for sensor in watched.search.deaf}
+    if put.readings and {*put.readings} <= deaf:  # what is left is a constant turn of the world
+        return number, mistake, "first answer", f"{watched.search.runs} runs"
     if not found:
         return number, mistake, "nothing", f"{watched.search.runs} runs"
     told = any(
@@ -420,12 +425,15 @@ def main() -> None:
             found.append((number, mistake, outcome, what))
             print(f"{contenders()[number].full_name}: {MISTAKES[mistake].name}: {outcome} {what}", flush=True)
     print("\nright with perfect sensors: " + ", ".join(contenders()[number].full_name for number in right))
-    print("\n| filter | named | something else | nothing | no effect |\n| --- | --- | --- | --- | --- |")
+    print(
+        "\n| filter | named | something else | nothing | first answer alone | no effect |\n"
+        "| --- | --- | --- | --- | --- | --- |"
+    )
     for number in right:
         count = Counter(outcome for n, _, outcome, _ in found if n == number)
         print(
             f"| {contenders()[number].full_name} | {count['named']} | {count['other']} | {count['nothing']} | "
-            f"{count['no effect']} |"
+            f"{count['first answer']} | {count['no effect']} |"
         )
 
 

@@ -115,7 +115,9 @@ def play(workers: int) -> tuple[list[Entry], dict[Case, str], dict[str, float]]:
     tunable = [number for number in everyone if filters()[number].grid]
     with ProcessPoolExecutor(workers) as pool:
         hashes = hashes_of(pool, (*CASES, *TUNING))
-        bounds = {str(case): found for case, found in zip(CASES, pool.map(bound, CASES), strict=True) if found}
+        keys = [f"bound {hashes[case]}" for case in CASES]
+        found = zip(CASES, each(pool, bound, CASES, keys, "bounds"), strict=True)
+        bounds = {str(case): degrees for case, degrees in found if degrees}
         defaults = results(pool, [Job(n, case, DEFAULTS) for case in CASES for n in everyone], hashes, "defaults")
         points = [Job(n, case, point) for case in TUNING for n in tunable for point in filters()[n].settings()]
         tried = results(pool, points, hashes, "settings")

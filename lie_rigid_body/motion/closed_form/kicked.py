@@ -19,8 +19,8 @@ from lie_rigid_body.motion.motion import exact_inertia
 
 KEPT_STARTS: Final = 1000
 """Arcs from one start that is kept to the next: no question costs more than so many arcs."""
-_KEPT_MOTIONS: Final = 2
-"""Number of motions that are kept, beside that of the start."""
+_KEPT_MOTIONS: Final = 1000
+"""Number of motions that are kept, beside that of the start: those of as many kicks as there may be in a period."""
 
 
 class KickedClosedForm(KickedMotion):
@@ -52,9 +52,11 @@ class KickedClosedForm(KickedMotion):
 
     def _motion_of(self, arc: int) -> ClosedForm:
         """The free motion of an arc."""
-        motion = self._motions.get(arc) or self._free(arc)
-        first, *others = self._motions.items()
-        self._motions = dict([first, *others[-_KEPT_MOTIONS:], (arc, motion)])
+        motion = self._motions.get(arc)
+        if motion is None:
+            motion = self._free(arc)
+            first, *others = self._motions.items()
+            self._motions = dict([first, *others[-_KEPT_MOTIONS:], (arc, motion)])
         return motion
 
     def _free(self, arc: int) -> ClosedForm:
