@@ -116,20 +116,26 @@ def play(workers: int) -> tuple[list[Entry], dict[Case, str], dict[str, float]]:
     with ProcessPoolExecutor(workers) as pool:
         hashes = hashes_of(pool, (*CASES, *TUNING))
         keys = [f"bound {hashes[case]}" for case in CASES]
-        found = zip(CASES, each(pool, bound, CASES, keys, "bounds"), strict=True)
-        bounds = {str(case): degrees for case, degrees in found if degrees}
+        least = zip(CASES, each(pool, bound, CASES, keys, "bounds"), strict=True)
+        bounds = {str(case): degrees for case, degrees in least if degrees}
         defaults = results(pool, [Job(n, case, DEFAULTS) for case in CASES for n in everyone], hashes, "defaults")
         points = [Job(n, case, point) for case in TUNING for n in tunable for point in filters()[n].settings()]
         tried = results(pool, points, hashes, "settings")
         chosen = {(n, grade): best_setting(n, grade, tried) for n in tunable for grade in GRADES}
+        chosen = {key: setting for key, setting in chosen.items() if setting}
+        found = defaults
+        for own in (True, False):  # few are better with sensors of their own grade
+            jobs = [Job(n, case, setting) for (n, grade), setting in chosen.items() for case in judging(grade, own=own)]
+            found |= results(pool, jobs, hashes, "chosen settings")
+            chosen = improved(chosen, found, own=own)
         jobs = [
             Job(n, case, setting)
-            for case in CASES
             for (n, grade), setting in chosen.items()
-            if setting and (setting_for(case) == grade or case in UNSEEN)
+            for case in CASES
+            if setting_for(case) == grade
         ]
-        tuned = results(pool, jobs, hashes, "chosen settings")
-    entries = [entry(n, chosen, {**defaults, **tuned}) for n in everyone]
+        found |= results(pool, jobs, hashes, "advised settings")
+    entries = [entry(n, {grade: chosen[n, grade] for grade in GRADES if (n, grade) in chosen}, found) for n in everyone]
     return entries, hashes, bounds
 
 
@@ -140,6 +146,8 @@ def hashes_of(pool: Executor, cases: Sequence[Case]) -> dict[Case, str]:
 
 Results = Mapping[tuple[int, Case, tuple[tuple[str, float], ...]], Result]
 """Results by the number of the filter, the case and the setting."""
+Settings = Mapping[tuple[int, str], Setting]
+"""Settings by the number of the filter and the grade of the sensors."""
 
 
 def results(pool: Executor, jobs: Sequence[Job], hashes: Mapping[Case, str], name: str) -> dict[Any, Result]:
@@ -170,21 +178,31 @@ def best_setting(number: int, grade: str, tried: Results) -> Setting:
     return points[best]
 
 
-def entry(number: int, chosen: Mapping[tuple[int, str], Setting], found: Results) -> Entry:
-    """A filter at the defaults and with the settings that are advised, where there are.
+def judging(grade: str, *, own: bool) -> list[Case]:
+    """The cases in which a setting for sensors of a grade is judged: with sensors of that grade, or of the other."""
+    return [case for case in UNSEEN if (case.grade == grade) is own]
+
+
+def improved(chosen: Settings, found: Results, *, own: bool) -> dict[tuple[int, str], Setting]:
+    """The settings that are shown to be better than the defaults with sensors of their own grade, or of the other."""
+    ratios = {(n, grade): ratio(n, judging(grade, own=own), setting, found) for (n, grade), setting in chosen.items()}
+    return {key: chosen[key] for key, each in ratios.items() if each.is_shown and each.ratio < 1.0}
+
+
+def ratio(number: int, cases: Sequence[Case], setting: Setting, found: Results) -> Difference:
+    """Error of a filter with a setting beside that at the defaults."""
+    return of_runs(*(totals(number, cases, point, found) for point in (setting, DEFAULTS)))
+
+
+def entry(number: int, advised: Mapping[str, Setting], found: Results) -> Entry:
+    """A filter at the defaults, and with the settings that are advised for grades.
 
     One is advised where it is shown to be better with sensors of each grade: real sensors lie between.
     """
-    advice = {}
-    for grade in GRADES:
-        if setting := chosen.get((number, grade)):
-            ratios = {}
-            for each in GRADES:
-                cases = [case for case in UNSEEN if case.grade == each]
-                ratios[each] = of_runs(*(totals(number, cases, point, found) for point in (setting, DEFAULTS)))
-            if all(each.is_shown and each.ratio < 1.0 for each in ratios.values()):
-                advice[grade] = Advice(setting, ratios[grade])
-    defaults = {case: found[number, case, ()] for case in CASES}
-    settings = {grade: tuple(each.setting.items()) for grade, each in advice.items()}
+    advice = {
+        grade: Advice(setting, ratio(number, judging(grade, own=True), setting, found))
+        for grade, setting in advised.items()
+    }
+    settings = {grade: tuple(setting.items()) for grade, setting in advised.items()}
     tuned = {case: found[number, case, settings.get(setting_for(case), ())] for case in CASES}
-    return Entry(filters()[number], defaults, advice, tuned)
+    return Entry(filters()[number], {case: found[number, case, ()] for case in CASES}, advice, tuned)

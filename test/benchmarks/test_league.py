@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from league import kept, page, recordings
 from league.contender import DEFAULTS, Filter, filters
 from league.readings import Readings, held
-from league.tournament import TUNING, UNSEEN, Entry, Job, Result, bound, entry, score
+from league.tournament import TUNING, UNSEEN, Entry, Job, Result, Settings, bound, entry, improved, score
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import attitude_error
 from lie_rigid_body.league import cases, playing
@@ -139,7 +139,11 @@ def test_a_setting_is_advised_only_where_cases_that_it_was_not_chosen_on_show_it
     for tuned, shown in ((better, True), (same, False)):
         found: dict[Any, Result] = {(0, case, ()): one for case, one in plain.items()}
         found |= {(0, case, (("gain", 0.5),)): tuned.get(case, plain[case]) for case in CASES}
-        made = entry(0, {(0, "mems"): point, (0, "tactical"): DEFAULTS}, found)
+        chosen: Settings = {(0, "mems"): point}
+        for own in (True, False):
+            chosen = improved(chosen, found, own=own)
+        assert bool(chosen) == shown
+        made = entry(0, {grade: setting for (_, grade), setting in chosen.items()}, found)
         assert [*made.advice] == ["mems"] * shown
         changed = [case for case in RANKED if made.tuned[case] is not plain[case] and tuned.get(case)]
         assert {case.grade for case in changed} == {"mems"} if shown else not changed
