@@ -127,10 +127,20 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
         verdict = _verdict(vectors, float(np.degrees(turned)), found)
     if isinstance(verdict, Judgement):
         return _refined(verdict)
-    axes = [f"{each.sensor}_axes" for each in vectors]
-    for code in ("gyro_axes", "gyro_units", "time_step", "gravity_removed", *axes):
+    for code in ("gyro_axes", "gyro_units", "time_step"):
         found.ask(code, verdict)
+    for each in vectors:
+        _ask(each.sensor, verdict, found)
     return None
+
+
+def _ask(sensor: str, why: str, found: Findings) -> None:
+    """List all that a comparison would have decided of a vector."""
+    codes = [f"{sensor}_axes", f"{sensor}_late"]
+    if sensor == "accelerometer":
+        codes += ["accelerometer_units", "gravity_removed"]
+    for code in codes:
+        found.ask(code, why)
 
 
 def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterator[Misfits]:
@@ -144,7 +154,7 @@ def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterato
         if each.lengths_s:
             yield each
         else:
-            found.ask(f"{stream.sensor}_axes", "the log has too little of this sensor together with the gyro")
+            _ask(stream.sensor, "the log has too little of this sensor together with the gyro", found)
 
 
 def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> Judgement | str:
@@ -219,8 +229,7 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
     if left <= MAX_MISFIT:
         yield each
         return
-    for code in (f"{sensor}_axes", *(["gravity_removed"] if sensor == "accelerometer" else [])):
-        found.ask(code, f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain")
+    _ask(sensor, f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain", found)
 
 
 def _refined(verdict: Judgement) -> SensorComparison:

@@ -22,6 +22,8 @@ OCTAVES_SHARED: Final = 2.0
 """Factor of the variances of fitted densities, as octaves share readings: errors are 1.4 to 1.5 times those without."""
 SIGMAS: Final = 4.0
 """Number of standard errors that the square of a random walk must exceed."""
+LEAST_WALK: Final = 1e-6
+"""Least variance of a walk at the longest averaging time, over that of white noise: less is not fitted."""
 
 
 class Allan(NamedTuple):
@@ -80,25 +82,24 @@ def allan(readings: Array, step_s: float) -> Allan:
 def density(found: Allan) -> Density:
     """Fit white noise and a random walk, if it is told, to the logarithm of an Allan variance.
 
-    White noise is that beside a walk, told or not.
+    White noise is that beside a walk, told or not. The unknowns are logarithms, of a walk down to `LEAST_WALK`.
     """
 
     def model(tau_s: Array, white: float, walk: float) -> Array:
-        return np.asarray(np.log(white / tau_s + walk * tau_s / 3.0))
+        return np.asarray(np.logaddexp(white - np.log(tau_s), walk + np.log(tau_s / 3.0)))
 
-    white = found.variance[0] * found.tau_s[0]
+    white = np.log(found.variance[0] * found.tau_s[0])
+    walk = white - 2.0 * np.log(found.tau_s[-1])
     squares, covariance = curve_fit(
         model,
         found.tau_s,
         np.log(found.variance),
-        p0=(white, white / found.tau_s[-1] ** 2),
+        p0=(white, walk),
         sigma=np.sqrt(2.0 * OCTAVES_SHARED / found.freedom),
         absolute_sigma=True,
-        bounds=(0.0, np.inf),
-        x_scale=(white, white / found.tau_s[-1] ** 2),
+        bounds=((-np.inf, walk + np.log(LEAST_WALK)), np.inf),
     )
     errors = np.sqrt(np.diag(covariance))
-    is_told = squares[1] > SIGMAS * errors[1]
-    sizes = np.sqrt(np.maximum(squares, np.finfo(np.float64).tiny))
-    numbers = np.stack([sizes, errors / (2.0 * sizes)], axis=1).ravel().tolist()
-    return Density(*(numbers if is_told else [*numbers[:2], 0.0, 0.0]))
+    sizes = np.exp(0.5 * squares)
+    numbers = np.stack([sizes, 0.5 * errors * sizes], axis=1).ravel().tolist()
+    return Density(*(numbers if errors[1] < 1.0 / SIGMAS else [*numbers[:2], 0.0, 0.0]))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sensor_models import readings_at_rest
 
-from lie_rigid_body.sensors.allan import allan, density
+from lie_rigid_body.sensors.allan import Allan, allan, density
 
 COUNT = 2**18
 RATE = 200.0
@@ -55,3 +55,15 @@ def test_densities_are_those_put_in_within_their_standard_errors() -> None:
         found = density(allan(readings, 0.01))
         off.append(abs(found.white - white) > 2.0 * found.white_sigma)
     assert np.mean(off) <= 0.1
+
+
+def test_a_variance_that_falls_faster_than_white_noise_tells_no_walk() -> None:
+    """A log in which the least squares has no smallest walk; white noise by weighted least squares alone."""
+    tau_s = 0.16 * 2.0 ** np.arange(6)
+    variance = np.array([2.1985e-08, 1.1292e-08, 5.9577e-09, 2.7320e-09, 1.1389e-09, 7.7541e-10])
+    freedom = np.array([1119.0, 556.5, 275.25, 134.625, 64.3125, 29.15625])
+    found = density(Allan(tau_s, variance, freedom))
+    alone = np.exp(0.5 * np.average(np.log(variance * tau_s), weights=freedom))
+    assert (found.walk, found.walk_sigma) == (0.0, 0.0)
+    assert found.white == pytest.approx(alone, abs=found.white_sigma)
+    assert 0.01 < found.white_sigma / found.white < 0.05
