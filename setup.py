@@ -62,6 +62,13 @@ SIMULATORS = [
     f"dartpy==6.20.0{PYBULLET_WHEELS_EXIST}",
     f"pybullet==3.2.7{PYBULLET_WHEELS_EXIST}",
 ]
+# Exact for the same reason. Orekit needs a Java of 11 or newer beside it.
+SOLVERS = [
+    "orekit-jpype==13.1.9.0",
+    "jax==0.10.2; python_version >= '3.11'",
+    "diffrax==0.7.2; python_version >= '3.11'",
+    "jaxlie==1.5.0; python_version >= '3.11'",
+]
 PLOTLY = "plotly>=6"
 PYARROW = "pyarrow>=15"
 DISTRIBUTED = "distributed>=2024.5"
@@ -72,7 +79,7 @@ FLINT_WHEELS_EXIST = (
     "(sys_platform != 'linux' or platform_machine in 'x86_64 aarch64')"
 )
 EXTRAS = {
-    "bench": [PYARROW, *SIMULATORS, "numba"],
+    "bench": [PYARROW, *SIMULATORS, *SOLVERS, "numba"],
     # make league: every attitude filter of PyPI that takes gyro, accelerometer and magnetometer
     "league": ["ahrs", "filterpy", "gtsam", "imufusion", "qmt", "scikit-kinematics", "vqf"],
     "ros": [

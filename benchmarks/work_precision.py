@@ -22,7 +22,19 @@ from peers.table import ahead_text, exchanged, full_table, replaced, short_table
 from peers.task import SHORT, TASKS, WARM_UP, Task
 
 DOCS: Final = Path(__file__).resolve().parent.parent / "docs"
-SOFTWARE: Final = ("numpy", "scipy", "numba", "mujoco", "drake", "dartpy", "pybullet")
+SOFTWARE: Final = (
+    "numpy",
+    "scipy",
+    "numba",
+    "mujoco",
+    "drake",
+    "dartpy",
+    "pybullet",
+    "orekit-jpype",
+    "jax",
+    "diffrax",
+    "jaxlie",
+)
 
 Results = dict[str, tuple[Task, Sequence[Row]]]
 
@@ -34,7 +46,7 @@ def main() -> None:
     save = parser.parse_args().save
     print(_software())
     for library in registry.missing():
-        print(f"{library} is not installed for this Python, and is left out")
+        print(f"{library} is not installed here, and is left out")
     results = run()
     if save:
         _save(results)

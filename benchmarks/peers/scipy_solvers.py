@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable, Iterator
 from typing import Final
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import ode, odeint, solve_ivp
 
+from peers.compiled import compiled
 from peers.contender import Contender
 from peers.task import ATTITUDE, INERTIA, NS, RATE, Task
 
@@ -38,7 +38,7 @@ def _rate(_: float, y: Array) -> Array:
 
 def contenders(task: Task) -> Iterator[Contender]:
     """Each solver at each tolerance; the right-hand side is compiled where numba is installed."""
-    rate = _compiled(_rate)
+    rate = compiled(_rate)
     for method, tolerances in (("RK45", TOLERANCES), ("DOP853", (*TOLERANCES, TIGHTEST))):
         yield Contender(f"SciPy, solve_ivp {method}", "defaults", 1e-3, _solve_ivp(task, rate, method, None))
         for tolerance in tolerances:
@@ -47,15 +47,6 @@ def contenders(task: Task) -> Iterator[Contender]:
     for tolerance in (*TOLERANCES, TIGHTEST):
         yield Contender("SciPy, odeint (LSODA)", f"{tolerance:.0e}", tolerance, _odeint(task, rate, tolerance))
         yield Contender("SciPy, ode dop853", f"{tolerance:.0e}", tolerance, _ode(task, rate, tolerance))
-
-
-def _compiled(rate: Rate) -> Rate:
-    if importlib.util.find_spec("numba") is None:
-        return rate
-    import numba
-
-    compiled: Rate = numba.njit(rate)
-    return compiled
 
 
 def _solve_ivp(task: Task, rate: Rate, method: str, tolerance: float | None) -> Callable[[], Array]:

@@ -38,11 +38,18 @@ ORDERS = {
     "MuJoCo, RK4": 4,
     "Drake, discrete": 1,
     "Drake, continuous RK5": 5,
+    "jaxlie, RKMK4": 4,
     "DART, free joint": 1,
     "PyBullet, multibody": 1,
     "PyBullet, rigid body": 1,
 }
 PEERS = (
+    "FRB, exact",
+    "FRB, Gauss of order 10",
+    "van Zon, Schofield",
+    "Orekit, TorqueFree",
+    "diffrax, Tsit5",
+    "diffrax, Dopri8",
     "Drake, continuous RK3",
     "SciPy, solve_ivp RK45",
     "SciPy, solve_ivp DOP853",
