@@ -12,7 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.inspection.rule import MAX_NEWTON_STEPS, MIN_MISFIT, MIN_UNSEEN_S, SIGMAS, UNSEEN_SHARE
+from lie_rigid_body.inspection.rule import (
+    INDEPENDENT_STEPS,
+    MAX_NEWTON_STEPS,
+    MIN_MISFIT,
+    MIN_UNSEEN_S,
+    SIGMAS,
+    UNSEEN_SHARE,
+)
 
 
 class Minimum(NamedTuple):
@@ -39,6 +46,11 @@ class Minimum(NamedTuple):
         At `UNSEEN_SHARE` of the misfit over the slope the misfit grows by `MIN_GAIN`.
         """
         return max(limit, SIGMAS * self.sigma, UNSEEN_SHARE * self.level / max(self.slope, 1e-9))
+
+    @property
+    def error(self) -> float:
+        """Standard error, with that of a misfit that all chunks have in common."""
+        return float(np.hypot(self.sigma, self.level / max(self.slope, 1e-9) / np.sqrt(INDEPENDENT_STEPS)))
 
     def is_like(self, other: Minimum) -> bool:
         """Whether two delays are one of the gyro, as far as the log sees."""

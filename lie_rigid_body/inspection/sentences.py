@@ -16,7 +16,6 @@ from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
     DIM_DELAY_S,
-    INDEPENDENT_STEPS,
     MAGNETOMETER_UNITS,
     MAX_SHAPE_ERROR,
     MAX_UNIT_LOG_ERROR,
@@ -149,18 +148,17 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
             text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
             found.note(code, text, delay.place)
     is_alike = all(one.delay.is_like(other.delay) for one in late for other in comparison.vectors)
-    named = {each.sensor: each.delay.place for each in late}
+    named = {each.sensor: (each.delay.place, each.delay.error) for each in late}
     if is_alike and len(late) == 2:
-        named = {"gyro": -float(np.mean([*named.values()]))}
+        delay_s, error_s = np.mean([*named.values()], axis=0)
+        named = {"gyro": (-delay_s, error_s)}
     or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
-    for sensor, delay_s in named.items():
-        text = f"the {sensor} is {delay_s * 1e3:.0f} ms late against the others"
+    for sensor, (delay_s, error_s) in named.items():
+        text = f"the {sensor} is {delay_s:.3f} s ± {error_s:.1g} s late against the others"
         found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
         found.changes[sensor].delay_s = delay_s
     if "magnetometer" in named:
-        delay = late[-1].delay
-        common_s = delay.level / max(delay.slope, 1e-9) / np.sqrt(INDEPENDENT_STEPS)
-        found.estimate("magnetometer_clock_offset", delay.place, np.hypot(delay.sigma, common_s))
+        found.estimate("magnetometer_clock_offset", *named["magnetometer"])
 
 
 def _tell_iron(each: Compared, found: Findings) -> None:
