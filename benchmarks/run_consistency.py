@@ -12,7 +12,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 from scipy.stats import chi2
 
 from lie_rigid_body.evaluation import nees
@@ -24,6 +23,8 @@ MEMORIES_S: Final = (0.01, 0.1, 1.0, 10.0, np.inf)
 
 def drawn(memory_s: float, draws: np.random.Generator) -> NDArray[np.float64]:
     """Errors of unit variance, shape (N, 3)."""
+    from scipy.signal import lfilter  # slow to load
+
     count = int(RATE * DURATION_S)
     kept = float(np.exp(-1.0 / (RATE * memory_s)))
     steps = np.sqrt(1.0 - kept**2) * draws.normal(size=(count, 3))

@@ -18,11 +18,6 @@ Every parameter of the node is an argument, as in rate:=200.0. Only what is give
 defaults < scenario < params_file < parameters. Several bodies side by side: bodies.launch.py.
 """
 
-from pathlib import Path
-
-from launch.actions import Shutdown
-from launch_ros.actions import Node
-
 from lie_rigid_body.ros import launching
 
 ARGUMENTS = {
@@ -33,7 +28,6 @@ ARGUMENTS = {
     "record": ("false", "the node also writes an MCAP file, in the present folder, named after the node and the time"),
     "rviz": ("false", "start RViz as well; it is in the package rviz2"),
 }
-RVIZ_FILE = Path(__file__).resolve().parents[1] / "config" / "rviz" / "lie_rigid_body.rviz"
 
 
 def generate_launch_description():
@@ -43,16 +37,8 @@ def generate_launch_description():
 
 def nodes(given):
     """Return the node, and RViz, which looks into its namespace. When the node ends, so does the rest."""
-    if given["record"] == "true" and not given["record_path"]:
-        given["record_path"] = launching.dated_bag(given["namespace"], given["name"])
-    settings, scenario = launching.simulator(given, given["name"], given["namespace"])
-    with_rviz = given["rviz"] == "true"
-    launching.require_executables(("lie_rigid_body", "sim"), *([("rviz2", "rviz2")] if with_rviz else []))
-    simulator = Node(**settings, output="screen", on_exit=Shutdown(reason="the simulator ended"))
-    rviz = {
-        "arguments": ["--display-config", str(RVIZ_FILE), "--fixed-frame", scenario.world_frame],
-        "remappings": [("/markers", "markers"), ("/pose", "pose")],
-        "namespace": given["namespace"],
-        "on_exit": launching.shut_down_if_failed,
-    }
-    return [simulator, *([Node(package="rviz2", executable="rviz2", **rviz)] if with_rviz else [])]
+    simulator, scenario = launching.simulator(given)
+    if given["rviz"] == "false":
+        return [simulator]
+    own = {"namespace": given["namespace"], "remappings": [("/markers", "markers"), ("/pose", "pose")]}
+    return [simulator, launching.rviz(launching.RVIZ_FILE, "--fixed-frame", scenario.world_frame, **own)]

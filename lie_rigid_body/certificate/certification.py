@@ -195,8 +195,9 @@ def certify(
         results = _results(surveyor, of_sensors, max_attitude, watch)
         surveyed = surveyor.result()
         sensors = of_sensors.findings(surveyed)
-        of_frames = transforms(bag, surveyor.segments, max_attitude, watch)
+        of_transforms, other_frames = transforms(bag, surveyor.segments, max_attitude, watch)
         held = [results.get(found.place) or SegmentLaws(found.segment).results() for found in surveyed.segments]
+    uncovered = whole_bag.uncovered(bag, surveyed, (*sensors.not_certified, *other_frames), inertia)
     return Certificate(
         tuple(
             SegmentCertificate(
@@ -209,10 +210,10 @@ def certify(
                 surveyed.segments, held, sensors.laws, sensors.notes, strict=True
             )
         ),
-        (*whole_bag.laws(bag, surveyed, sensors), *of_frames.laws),
-        whole_bag.not_certified(bag, surveyed, sensors, of_frames, inertia),
+        (*whole_bag.laws(bag, surveyed, sensors), *of_transforms),
+        whole_bag.not_certified(bag, surveyed, uncovered),
         sensors.topics,
-        whole_bag.uncovered(bag, surveyed, sensors, of_frames, inertia),
+        uncovered,
         _to_the_bit(bag, surveyed, held, sensors),
     )
 

@@ -22,6 +22,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers, same_bits
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.motion.mass_centre import MassCentre
 from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.scenario.arcs import arc_changes
 from lie_rigid_body.simulation import Segment
@@ -108,12 +109,27 @@ class SegmentLaws:
             for tally, (residuals, limits) in zip(self._tallies, judged, strict=True):
                 tally.add(residuals, limits, part.samples, part.stamps_ns)
 
+    def poses(self, stamps_ns: Integers, attitude_xyzw: Array, position: Array) -> tuple[_Judged, _Judged]:
+        """Errors of attitudes and of positions that come next, and their limits, for poses that stand elsewhere."""
+        elapsed_ns = stamps_ns - self._segment.start_ns
+        exact = self._motion.at(elapsed_ns)
+        angle, _ = angles_between(exact.attitude_xyzw, attitude_xyzw)
+        speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
+        return self._attitude(angle, speeds, elapsed_ns), self._place(position, self._mass_centre.at(elapsed_ns))
+
+    def _attitude(self, angle: Array, speeds: Array, elapsed_ns: Integers) -> _Judged:
+        angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
+        return angle + closed_form_error(speeds, elapsed_ns), self._limit
+
+    def _place(self, position: Array, centre: MassCentre) -> _Judged:
+        distance = self._largest_so_far("position", vectors.norm(centre.position))
+        return vectors.norm(position - centre.position), TRANSLATION_ERROR * distance + self._slack
+
     def _attitude_and_rate(self, recorded: State, norm: Array, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Attitude and rate, and the norm and the sign of the quaternions, which are recorded with that norm."""
         angle, cosine = angles_between(exact.attitude_xyzw, recorded.attitude_xyzw)
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
-        angle[elapsed_ns > self._segment.scenario.last_ns] = np.inf  # where there is no motion any more
-        yield angle + closed_form_error(speeds, elapsed_ns), self._limit
+        yield self._attitude(angle, speeds, elapsed_ns)
         # a rest between kicks is exact by every method: any other rate is infinitely far; one on a path is computed
         speeds[~exact.body_rate.any(axis=1)] *= self._slack > 0.0
         yield _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds), RATE_FACTOR * self._limit
@@ -125,8 +141,7 @@ class SegmentLaws:
         velocity = centre.body_velocity(exact)
         self._is_exact &= same_bits(recorded.position, centre.position)
         self._is_exact &= same_bits(recorded.body_velocity, velocity)
-        distance = self._largest_so_far("position", vectors.norm(centre.position))
-        yield vectors.norm(recorded.position - centre.position), TRANSLATION_ERROR * distance + self._slack
+        yield self._place(recorded.position, centre)
         speed = self._largest_so_far("velocity", vectors.norm(velocity))
         yield vectors.norm(recorded.body_velocity - velocity), (TRANSLATION_ERROR + self._limit) * speed + self._slack
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
-from lie_rigid_body.certificate.transforms import TransformFindings
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
@@ -22,7 +21,6 @@ def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tup
     bag : Bag or Recording
     surveyed : Survey
     sensors : SensorFindings
-    frames : TransformFindings
         Both of the same bag.
     """
     counts = surveyed.counts
@@ -71,25 +69,8 @@ def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]
         yield f"a scenario declares stamped_twist {str(not bag.stamped).lower()}, the twists are otherwise"
 
 
-def not_certified(
-    bag: Bag | Recording,
-    surveyed: Survey,
-    sensors: SensorFindings,
-    frames: TransformFindings,
-    inertia: Sequence[float] | None = None,
-) -> tuple[str, ...]:
-    """Parts of a bag that are not certified, in words.
-
-    Parameters
-    ----------
-    bag : Bag or Recording
-    surveyed : Survey
-    sensors : SensorFindings
-    frames : TransformFindings
-        Both of the same bag.
-    inertia : sequence of float, optional
-        That which was used in place of the declared one, kg m².
-    """
+def not_certified(bag: Bag | Recording, surveyed: Survey, uncovered: Iterable[str]) -> tuple[str, ...]:
+    """Parts of a bag that are not certified, in words: those that any bag has, and those that are `uncovered`."""
     has_sensors = any(segment.scenario.has_sensors for segment in surveyed.declared)
     motions = {segment.scenario.motion for segment in surveyed.declared}
     return (
@@ -99,22 +80,25 @@ def not_certified(
         *(["the scale of the inertia, which no torque-free motion shows"] if motions != {"path"} else []),
         *_ends(bag, surveyed),
         *(["parameters of the sensors that no reading shows"] if has_sensors else []),
-        *uncovered(bag, surveyed, sensors, frames, inertia),
+        *uncovered,
         "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
     )
 
 
 def uncovered(
-    bag: Bag | Recording,
-    surveyed: Survey,
-    sensors: SensorFindings,
-    frames: TransformFindings,
-    inertia: Sequence[float] | None = None,
+    bag: Bag | Recording, surveyed: Survey, of_topics: Iterable[str], inertia: Sequence[float] | None = None
 ) -> tuple[str, ...]:
     """Parts of a bag that are not certified, though a bag as its scenarios determine it has no such parts.
 
-    Topics that no scenario determines, those that the scenarios have and the bag has not, and the like. See
-    `not_certified` for the parameters.
+    Parameters
+    ----------
+    bag : Bag or Recording
+    surveyed : Survey
+        Of the same bag.
+    of_topics : iterable of str
+        Such parts of its sensors and transforms: topics that no scenario determines, and the like.
+    inertia : sequence of float, optional
+        That which was used in place of the declared one, kg m².
     """
     unused = len(surveyed.declared) - len({found.segment.start_ns for found in surveyed.segments})
     repeated = len(bag.scenario_texts) - len(surveyed.declared)
@@ -126,8 +110,7 @@ def uncovered(
         *([f"scenarios without a sample: {unused}"] if unused else []),
         *([f"scenario messages that repeat another one: {repeated}"] if repeated else []),
         *([f"poses and twists without the other of their stamp: {alone}"] if alone else []),
-        *sensors.not_certified,
-        *frames.not_certified,
+        *of_topics,
         *bag.others,
     )
 

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import null_space
-from scipy.signal import argrelmin
 
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array
@@ -56,8 +55,9 @@ def other_delays(placed: Fitting, tried: Gyro, own: Minimum) -> list[float]:
     if abs(own.place) <= MIN_DELAY_S:
         return []
     delays, misfits = placed.misfits.by_delay(tried)
-    (inner,) = argrelmin(misfits[:, placed.turn])
-    found = [fit_delay(placed._replace(delay_s=float(delays[i])), DELAY_STEPS_S[0]) for i in inner]
+    steps = np.sign(np.diff(misfits[:, placed.turn]))
+    lowest = 1 + np.flatnonzero((steps[:-1] < 0) & (steps[1:] > 0))
+    found = [fit_delay(placed._replace(delay_s=float(delays[i])), DELAY_STEPS_S[0]) for i in lowest]
     alike = [each.place for each in found if each.level <= EXCLUDED * own.level]
     return [place for place in alike if abs(place - own.place) > SAME_DELAY_S]
 

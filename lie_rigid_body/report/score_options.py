@@ -44,7 +44,7 @@ Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctr
 says the score. The topics are named after --ros-args: -r estimate:=/imu/data, and where the truth is not found by
 itself -r truth:=TOPIC, a scenario or poses. Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score.
 """
-_ARGUMENTS: Final = (
+ARGUMENTS: Final = (
     argument(
         "run",
         metavar="RUN",
@@ -128,7 +128,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     parser = Parser(
         "evaluate",
         "Score and diagnose an attitude estimate against the truth.",
-        *_ARGUMENTS,
+        *ARGUMENTS,
         either=ESTIMATOR,
         epilog=_EPILOG,
     )

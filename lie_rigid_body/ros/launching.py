@@ -1,24 +1,42 @@
-"""Checks of the launch files before they start anything: half of what was asked for is worse than nothing."""
+"""Launch files: their arguments, the settings of the nodes that they start, and checks before anything is started."""
 
 from __future__ import annotations
 
-import difflib
 import os
+import shlex
 import sys
+import tempfile
 from collections.abc import Callable, Collection, Iterable, Mapping
 from datetime import datetime
+from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
+import yaml
+
+from lie_rigid_body.evaluation import Limits
+from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.wording import suggestion
 from lie_rigid_body.recording.poses import with_path
+from lie_rigid_body.report import score_options
 from lie_rigid_body.ros.installation import how_to_install
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import NODE_NAME, gather, parse_assignment
+from lie_rigid_body.scenario.parameter_file import CONFIG, NODE_NAME, gather, parse_assignment
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
 from lie_rigid_body.sensors import frame_parameters
 
+RVIZ_FILE: Final = CONFIG / "rviz" / "lie_rigid_body.rviz"
 _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
+_BENCH: Final = {
+    "imu_rate": "100.0",
+    "magnetometer_rate": "100.0",
+    "gyro_rate": "integrated",
+    "accelerometer_mode": "pivot_gravity",
+}
+"""Sensors of a simulator for a filter, where its scenario, its file and its arguments give no IMU."""
+_RELATIVE: Final = [(f"/imu/{name}", f"imu/{name}") for name in ("data_raw", "mag", "data")]
+"""Names that some filters have without a namespace, and what they have to be in one."""
 
 
 def descriptions() -> dict[str, str]:
@@ -29,7 +47,7 @@ def descriptions() -> dict[str, str]:
 def description(
     file: str,
     arguments: Mapping[str, tuple[str, str]],
-    nodes: Callable[[dict[str, str]], list[Any]],
+    nodes: Callable[[dict[str, str]], list[dict[str, Any]]],
     parameters: Collection[str] = BY_NAME,
 ) -> Any:
     """The launch of some nodes, once all that they need is found.
@@ -41,7 +59,8 @@ def description(
     arguments : mapping of str to (str, str)
         Default and description of its arguments; one that is ``false`` is a switch.
     nodes : callable
-        Gives the nodes for the values of all arguments.
+        Gives the settings of ``launch_ros.actions.Node`` of each node for the values of all arguments. The launch ends
+        with a node, whose exit status is its own, unless ``on_exit`` is among them.
     parameters : collection of str, optional
         Parameters of the simulator that are arguments as well, without a default.
 
@@ -52,12 +71,15 @@ def description(
     from launch import LaunchDescription  # type: ignore[attr-defined]  # else it is our folder of that name
     from launch.actions import DeclareLaunchArgument, OpaqueFunction
     from launch.substitutions import LaunchConfiguration
+    from launch_ros.actions import Node
 
     known = {**arguments, **{name: ("", text) for name, text in descriptions().items() if name in parameters}}
 
     def started(context: Any) -> list[Any]:
         require_known(file, context.argv, known)
-        return nodes({name: LaunchConfiguration(name).perform(context) for name in known})
+        settings = nodes({name: LaunchConfiguration(name).perform(context) for name in known})
+        require_executables((each["package"], each["executable"]) for each in settings)
+        return [Node(**{"output": "screen", "on_exit": end_with_status, **each}) for each in settings]
 
     switch = {"choices": ["true", "false"]}
     declared = [
@@ -67,8 +89,8 @@ def description(
     return LaunchDescription([*declared, OpaqueFunction(function=started)])
 
 
-def simulator(given: Mapping[str, str], name: str = NODE_NAME, namespace: str = "") -> tuple[dict[str, Any], Scenario]:
-    """Settings of the simulator for ``launch_ros.actions.Node`` by launch arguments, and its scenario.
+def simulator(given: Mapping[str, str]) -> tuple[dict[str, Any], Scenario]:
+    """Settings of the simulator by launch arguments, and its scenario.
 
     The scenario's name is an argument of its own command line. The rest are parameters, which win over it, and which
     other launch files see and set.
@@ -78,6 +100,11 @@ def simulator(given: Mapping[str, str], name: str = NODE_NAME, namespace: str = 
     InputError
         If the simulator would refuse them.
     """
+    name = given.get("name", NODE_NAME)
+    namespace = given["namespace"]
+    if given.get("record") == "true" and not given.get("record_path"):
+        names = "_".join(filter(None, (*namespace.split("/"), name)))
+        given = {**given, "record_path": f"{names}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"}
     own = {
         each: BY_NAME[each].read(parse_assignment(f"{each}:={given[each]}")[1]) for each in BY_NAME if given.get(each)
     }
@@ -93,15 +120,71 @@ def simulator(given: Mapping[str, str], name: str = NODE_NAME, namespace: str = 
     return {**settings, "arguments": words, "parameters": [*files, *([plain] if plain else [])]}, scenario
 
 
-def dated_bag(namespace: str, name: str = "") -> str:
-    """Name of a bag, after the node and the time."""
-    words = [word for word in (*namespace.split("/"), name) if word]
-    return f"{'_'.join(words)}_{datetime.now():%Y-%m-%d_%H-%M-%S}.mcap"
-
-
 def frames() -> dict[str, str]:
     """The usual names of the frames of a node, by the parameters that name them."""
-    return {name: str(BY_NAME[name].default) for name in sorted({"world_frame", "body_frame", *frame_parameters()})}
+    return {name: str(BY_NAME[name].default) for name in {"world_frame", "body_frame", *frame_parameters()}}
+
+
+def rviz(view: str | Path, *words: str, **settings: Any) -> dict[str, Any]:
+    """Settings of RViz, by the file of its view, words of its command line, and settings beside."""
+    program = {"package": "rviz2", "executable": "rviz2", "arguments": ["--display-config", str(view), *words]}
+    return {**program, "on_exit": fail_if_failed, **settings}
+
+
+def view_of(namespaces: Collection[str]) -> str:
+    """File of an RViz view in which the displays of topics of `RVIZ_FILE` are there for each namespace."""
+    view = yaml.safe_load(RVIZ_FILE.read_text(encoding="utf-8"))
+    manager = view["Visualization Manager"]
+    of_topics = [display for display in manager["Displays"] if "Topic" in display]
+    manager["Displays"] = [display for display in manager["Displays"] if "Topic" not in display]
+    for namespace, display in product(namespaces, of_topics):
+        topic = {**display["Topic"], "Value": f"/{namespace}{display['Topic']['Value']}"}
+        manager["Displays"].append({**display, "Name": f"{display['Name']} {namespace}", "Topic": topic})
+    with tempfile.NamedTemporaryFile("w", suffix=".rviz", delete=False, encoding="utf-8") as file:
+        yaml.safe_dump(view, file)
+    return file.name
+
+
+def bench(given: Mapping[str, str]) -> dict[str, Any]:
+    """Settings of the simulator for a filter, with sensors where none are given; each part of a test is needed."""
+    if given["lockstep"] == "true":
+        given = _with_usual(given, {"lockstep_topic": given["estimate"], "lockstep_nodes": "[evaluator]"})
+    settings, scenario = simulator(given)
+    if scenario.sensors.imu is None:
+        settings, _ = simulator(_with_usual(given, _BENCH))
+    return {**settings, "on_exit": fail_unless_shut_down}
+
+
+def _with_usual(given: Mapping[str, str], usual: Mapping[str, str]) -> dict[str, str]:
+    return {**given, **{name: given[name] or value for name, value in usual.items()}}
+
+
+def estimator(given: Mapping[str, str], executable: str, usual: Mapping[str, object]) -> dict[str, Any]:
+    """Settings of a filter, with parameters that are given unless others are."""
+    own = dict(parse_assignment(word) for word in shlex.split(given["parameters"]))
+    return {
+        "package": given["package"],
+        "executable": executable,
+        "namespace": given["namespace"],
+        "parameters": [part for part in (usual, given["estimator_params_file"], own) if part],
+        "remappings": [*(tuple(word.split(":=")) for word in given["remappings"].split()), *_RELATIVE],
+        "on_exit": fail_unless_shut_down,
+    }
+
+
+def options(names: Collection[str]) -> dict[str, tuple[str, str]]:
+    """Launch arguments of some options of the evaluator, with underscores in their names."""
+    rows = {words[-1].lstrip("-").replace("-", "_"): how for words, how in score_options.ARGUMENTS}
+    return {name: ("", rows[name]["help"] % rows[name]) for name in names}
+
+
+def evaluator(given: Mapping[str, str], options: Iterable[str]) -> dict[str, Any]:
+    """Settings of the evaluator, by those of its options that are given; several values have spaces between them."""
+    Limits.parse(given["max_rms"] or None, tuple(given["max_after"].split()))
+    require_axes(given["covariance_axes"] or "world")
+    words = [f"--{name.replace('_', '-')}={value}" for name in options for value in shlex.split(given[name])]
+    settings = {"package": NODE_NAME, "executable": "evaluate", "name": "evaluator", "namespace": given["namespace"]}
+    return {**settings, "arguments": words, "remappings": [("estimate", given["estimate"])]}
 
 
 def require_known(file: str, argv: Iterable[str], known: Collection[str]) -> None:
@@ -126,17 +209,15 @@ def require_known(file: str, argv: Iterable[str], known: Collection[str]) -> Non
     for word in argv:
         argument = word.partition(":=")[0]
         if argument not in (*known, *_OF_LAUNCH):
-            near = difflib.get_close_matches(argument, known, n=1)
-            hint = f"did you mean {near[0]}? " if near else ""
-            raise InputError(f"{word}: {name} has no argument {argument!r}: {hint}--show-args lists those that it has")
+            raise InputError(f"{word}: {name} has no argument {argument!r}: {suggestion(argument, known, 'arguments')}")
 
 
-def require_executables(*wanted: tuple[str, str]) -> None:
+def require_executables(wanted: Iterable[tuple[str, str]]) -> None:
     """Look for executables where ``ros2 run`` does.
 
     Parameters
     ----------
-    *wanted : tuple of (str, str)
+    wanted : iterable of (str, str)
         Package and executable.
 
     Raises
@@ -151,23 +232,6 @@ def require_executables(*wanted: tuple[str, str]) -> None:
                 f"{executable} of the package {package} is not there: nothing was started; source its workspace, or "
                 f"{how_to_install(package)}"
             )
-
-
-def shut_down_if_failed(event: Any, context: object) -> object | None:
-    """End everything when a view fails; one that was closed leaves the rest running.
-
-    Parameters
-    ----------
-    event : launch.events.process.ProcessExited
-    context : launch.LaunchContext
-
-    Returns
-    -------
-    launch.actions.Shutdown or None
-    """
-    from launch.actions import Shutdown
-
-    return Shutdown(reason=f"{event.process_name} failed") if event.returncode else None
 
 
 def fail_unless_shut_down(event: Any, context: Any) -> None:
@@ -186,8 +250,14 @@ def fail_unless_shut_down(event: Any, context: Any) -> None:
         raise LieRigidBodyError(f"{event.process_name} ended with status {event.returncode}: the rest is ended as well")
 
 
+def fail_if_failed(event: Any, context: Any) -> None:
+    """`fail_unless_shut_down` of a view, which the user may close: the rest goes on."""
+    if event.returncode:
+        fail_unless_shut_down(event, context)
+
+
 def end_with_status(event: Any, context: Any) -> object | None:
-    """End everything with the evaluator; its exit status above 0 makes that of launch 1.
+    """End everything with a part whose exit status, if above 0, makes that of launch 1, also after Ctrl-C.
 
     Parameters
     ----------
@@ -205,6 +275,5 @@ def end_with_status(event: Any, context: Any) -> object | None:
     from launch.actions import Shutdown
 
     if event.returncode:
-        why = "a limit is broken" if event.returncode == 1 else "there was nothing to score"
-        raise LieRigidBodyError(f"{event.process_name} ended with status {event.returncode}: {why}")
-    return None if context.is_shutdown else Shutdown(reason="the evaluation is complete")
+        raise LieRigidBodyError(f"{event.process_name} ended with status {event.returncode}")
+    return None if context.is_shutdown else Shutdown()

@@ -25,7 +25,7 @@ def one_run():
 
 @pytest.mark.parametrize(
     "number",
-    sampled(range(len(causes.KINDS)), every=20),
+    sampled(range(len(causes.KINDS)), every=40),
     ids=lambda n: "+".join(causes.KINDS[n]),
 )
 def test_each_kind_of_mistake_has_its_name_and_what_is_none_has_no(number: int) -> None:

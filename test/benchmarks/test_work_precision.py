@@ -93,7 +93,7 @@ def test_the_angle_to_the_truth_is_that_of_the_rotation_between():
     np.testing.assert_allclose(errors(BRIEF, -7.0 * turned), angles, rtol=1e-6)
 
 
-@pytest.mark.parametrize("family", sampled(FAMILIES, every=4))
+@pytest.mark.parametrize("family", sampled(FAMILIES, every=8))
 def test_errors_are_finite_and_fall(family):
     (_, coarsest), *_, (_, finest) = [(0.0, np.inf), *of_family(family)]
     assert finest < 1e-2

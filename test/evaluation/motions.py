@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth
@@ -51,6 +50,8 @@ def codes(score) -> list[str]:
 
 def correlated(draws: np.random.Generator, count: int, memory: float) -> np.ndarray:
     """Three stationary processes of first order, of variance 1 each, shape (count, 3)."""
+    from scipy.signal import lfilter  # slow to load
+
     steps = draws.normal(size=(count, 3)) * np.sqrt(1.0 - memory**2)
     steps[0] /= np.sqrt(1.0 - memory**2)
     return lfilter([1.0], [1.0, -memory], steps, axis=0)

@@ -40,7 +40,7 @@ def files(folder: Path) -> dict[str, list[bytes]]:
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is missing")
+@pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
 @pytest.mark.parametrize(
     "left_out", [("campaign", "plot", "compile"), pytest.param((), marks=pytest.mark.slow)], ids=len
 )

@@ -36,7 +36,7 @@ def test_scenarios_simulate(scenario):
 
 
 def test_they_are_varied():
-    quick = settings(phases=[Phase.generate], database=None)
+    quick = settings(phases=[Phase.generate], database=None, max_examples=200)
     assert find(sensor_grades(), lambda grade: grade == "mems", settings=quick) == "mems"
     for strategy, condition in [
         (attitudes(), lambda q: abs(q[3]) < 0.1),

@@ -143,13 +143,6 @@ def logged(failure):
     return "".join(told)
 
 
-def why_launch_ends(handle, status):
-    """The reason that launch, which PyPI does not have, is given when a part has ended."""
-    stand_in = SimpleNamespace(Shutdown=lambda reason: reason)
-    with patch.dict(sys.modules, {"launch": stand_in, "launch.actions": stand_in}):
-        return handle(SimpleNamespace(process_name="it-3", returncode=status), SimpleNamespace(is_shutdown=False))
-
-
 def without(package, distribution=""):
     with patch.dict(sys.modules, {package: None}), patch.dict(os.environ, {"ROS_DISTRO": distribution}):
         require_ros()
@@ -208,6 +201,4 @@ SAID = [
     lambda: constraints("inertia"),
     lambda: constraints("kicks"),
     lambda: logged("a.mcap is lost"),
-    lambda: why_launch_ends(launching.shut_down_if_failed, -6),
-    lambda: why_launch_ends(launching.end_with_status, 0),
 ]

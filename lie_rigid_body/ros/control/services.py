@@ -341,7 +341,7 @@ class StandardServices:
         self._require_known(request.entity)
         if self._run.segment.scenario.path():
             raise LieRigidBodyError("motion path prescribes the state: set motion to another, and reset")
-        # before release 2 of simulation_interfaces both are always set
+        # before release 2.1 of simulation_interfaces both are always set
         pose = request.state.pose if getattr(request, "set_pose", True) else None
         twist = request.state.twist if getattr(request, "set_twist", True) else None
         frame = request.state.header.frame_id

@@ -99,9 +99,13 @@ def test_signal_while_one_sample_takes_long_to_compute(tmp_path: Path) -> None:
 
 
 def end_of_a_lost_recording(simulator: SimulatorProcess, bag: Path) -> None:
-    """It was told in the log at once, and is the last line when the node ends, with status 2."""
+    """It was told in the log at once, and is the last line when the node ends, with status 2.
+
+    Fast DDS of Kilted complains as well where a limit of files leaves it no shared memory.
+    """
+    eventually(lambda: simulator.heard(bag.name), "a complaint")
     assert simulator.end(signal.SIGTERM) == 2
-    logged, last = simulator.errors()
+    logged, last = (line for line in simulator.errors() if bag.name in line)
     assert re.search(rf"ERROR.*{bag.name} ", logged)
     assert re.match(rf"lie-rigid-body sim: error: .*{bag.name} ", last)
     assert [line for line in simulator.said if "lie-rigid-body check" in line] == []
@@ -113,7 +117,6 @@ def test_full_disk_ends_the_recording_but_not_the_node(tmp_path: Path) -> None:
     limit = 60_000
     shrink = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (limit, limit))
     with SimulatorProcess(*assignments(rate=1000.0, record_path=bag), preexec=shrink) as simulator:
-        eventually(lambda: bool(simulator.errors()), "a complaint")
         end_of_a_lost_recording(simulator, bag)
     assert bag.stat().st_size <= limit
 
