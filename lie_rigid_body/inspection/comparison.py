@@ -40,6 +40,12 @@ KEPT_WORLDS: Final = 6
 """Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
 OFFSET_COSTS: Final = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
 
+_COMPARED: Final = {
+    "accelerometer": ("accelerometer_axes", "accelerometer_late", "accelerometer_units", "gravity_removed"),
+    "magnetometer": ("magnetometer_axes", "magnetometer_late"),
+}
+"""Codes of all that a comparison decides of a vector."""
+
 
 @dataclass(frozen=True, eq=False)
 class Compared:
@@ -136,10 +142,7 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
 
 def _ask(sensor: str, why: str, found: Findings) -> None:
     """List all that a comparison would have decided of a vector."""
-    codes = [f"{sensor}_axes", f"{sensor}_late"]
-    if sensor == "accelerometer":
-        codes += ["accelerometer_units", "gravity_removed"]
-    for code in codes:
+    for code in _COMPARED[sensor]:
         found.ask(code, why)
 
 

@@ -40,17 +40,22 @@ class Minimum(NamedTuple):
     slope: float
     level: float
 
+    @property
+    def width(self) -> float:
+        """Distance at which the misfit grows by its least one."""
+        return self.level / max(self.slope, 1e-9)
+
     def unseen(self, limit: float) -> float:
         """Size of the constant up to which it is no mistake, at least a limit, or not seen in this log.
 
         At `UNSEEN_SHARE` of the misfit over the slope the misfit grows by `MIN_GAIN`.
         """
-        return max(limit, SIGMAS * self.sigma, UNSEEN_SHARE * self.level / max(self.slope, 1e-9))
+        return max(limit, SIGMAS * self.sigma, UNSEEN_SHARE * self.width)
 
     @property
     def error(self) -> float:
         """Standard error, with that of a misfit that all chunks have in common."""
-        return float(np.hypot(self.sigma, self.level / max(self.slope, 1e-9) / np.sqrt(INDEPENDENT_STEPS)))
+        return float(np.hypot(self.sigma, self.width / np.sqrt(INDEPENDENT_STEPS)))
 
     def is_like(self, other: Minimum) -> bool:
         """Whether two delays are one of the gyro, as far as the log sees."""
