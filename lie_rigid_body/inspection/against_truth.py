@@ -43,8 +43,7 @@ def report_truth(found: Findings, gyro: Stream, truth: Truth) -> GyroFit | None:
     fit, errors = compare_with_truth(begin_ns + np.round(t_s * NS).astype(np.int64), rate, truth)
     if fit.misfit > MAX_TRUTH_MISFIT:
         why = f"by no clock and mounting the truth rotates as the gyro does: {fit.misfit:.0%} of its rotations remain"
-        found.ask("truth_late", why)
-        found.ask("truth_mounting", why)
+        found.ask_all(why, "truth")
         return None
     _report_factor(found, fit.factor, errors[4])
     text = f"the truth is {fit.late_s * 1e3:.4g} ms late against the gyro, ± {errors[0] * 1e3:.1g} ms"

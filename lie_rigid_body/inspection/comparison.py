@@ -40,12 +40,6 @@ KEPT_WORLDS: Final = 6
 """Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
 OFFSET_COSTS: Final = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
 
-_COMPARED: Final = {
-    "accelerometer": ("accelerometer_axes", "accelerometer_late", "accelerometer_units", "gravity_removed"),
-    "magnetometer": ("magnetometer_axes", "magnetometer_late"),
-}
-"""Codes of all that a comparison decides of a vector."""
-
 
 @dataclass(frozen=True, eq=False)
 class Compared:
@@ -133,17 +127,8 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
         verdict = _verdict(vectors, float(np.degrees(turned)), found)
     if isinstance(verdict, Judgement):
         return _refined(verdict)
-    for code in ("gyro_axes", "gyro_units", "time_step"):
-        found.ask(code, verdict)
-    for each in vectors:
-        _ask(each.sensor, verdict, found)
+    found.ask_all(verdict, "gyro", *(each.sensor for each in vectors))
     return None
-
-
-def _ask(sensor: str, why: str, found: Findings) -> None:
-    """List all that a comparison would have decided of a vector."""
-    for code in _COMPARED[sensor]:
-        found.ask(code, why)
 
 
 def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterator[Misfits]:
@@ -157,7 +142,7 @@ def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterato
         if each.lengths_s:
             yield each
         else:
-            _ask(stream.sensor, "the log has too little of this sensor together with the gyro", found)
+            found.ask_all("the log has too little of this sensor together with the gyro", stream.sensor)
 
 
 def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> Judgement | str:
@@ -223,8 +208,8 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
                 f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it "
                 "off, or the body falls freely"
             )
-            or_else = ("accelerometer_units",) if held.swing < MAX_SWING else ()
-            found.name("gravity_removed", sensor, text, before=held.misfit, or_else=or_else)
+            also = ("accelerometer_units",) * (held.swing < MAX_SWING)
+            found.name("gravity_removed", sensor, text, before=held.misfit, or_else=also)
             return
         elif held.has_unit:
             found.ask("gravity_removed", f"{held.offset_share:.0%} of gravity are constant on the accelerometer's axes")
@@ -232,7 +217,7 @@ def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator
     if left <= MAX_MISFIT:
         yield each
         return
-    _ask(sensor, f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain", found)
+    found.ask_all(f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain", sensor)
 
 
 def _refined(verdict: Judgement) -> SensorComparison:

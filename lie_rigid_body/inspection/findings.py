@@ -15,6 +15,13 @@ from lie_rigid_body.foundation.wording import SI
 
 HOW: Final = "turn it slowly once about each axis, then let it rest for ten seconds"
 """How to record a log that decides."""
+COMPARED: Final = {
+    "gyro": ("gyro_axes", "gyro_units", "time_step"),
+    "accelerometer": ("accelerometer_axes", "accelerometer_late", "accelerometer_units", "gravity_removed"),
+    "magnetometer": ("magnetometer_axes", "magnetometer_late"),
+    "truth": ("truth_late", "truth_mounting"),
+}
+"""Codes of all that a comparison decides of each sensor."""
 
 Numbers: TypeAlias = "float | tuple[float, ...]"
 
@@ -150,6 +157,12 @@ class Findings:
     def ask(self, code: str, why: str) -> None:
         """Add what is undecided; of each code the first."""
         self.undecided.setdefault(code, Undecided(code, f"{why}: {HOW}"))
+
+    def ask_all(self, why: str, *sensors: str) -> None:
+        """Add all that a comparison decides of some sensors."""
+        for sensor in sensors:
+            for code in COMPARED[sensor]:
+                self.ask(code, why)
 
     def note(self, code: str, message: str, value: ArrayLike) -> None:
         """Add a note with a number, or several."""

@@ -143,9 +143,8 @@ def inspect(run: Run | str | Path) -> Inspection:
     every = {
         sensor: Stream.of(sensor, stamps[key], readings)
         for sensor, (key, name) in READINGS.items()
-        if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
+        if key in stamps and np.any(readings := getattr(run.sensors[key], name))
     }
-    every = {sensor: stream for sensor, stream in every.items() if stream.readings.any()}
     streams = {sensor: fresh(stream, found) for sensor, stream in every.items()}
     for sensor, stream in reversed(streams.items()):  # an IMU has the rate of its gyro
         if stream.step_s:
@@ -156,8 +155,7 @@ def inspect(run: Run | str | Path) -> Inspection:
     if "gyro" in streams and len(streams) > 1:
         comparison = compare(*streams.values(), found=found)
     elif run.given_truth is None and streams:
-        for code in ("gyro_axes", "gyro_units", "time_step"):
-            found.ask(code, "the gyro and another sensor that moves are needed")
+        found.ask_all("the gyro and another sensor that moves are needed", "gyro")
     if comparison is not None:
         tell_mistakes(comparison, found)
     if "magnetometer" in streams:

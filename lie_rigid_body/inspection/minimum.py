@@ -59,7 +59,7 @@ class Minimum(NamedTuple):
 
     def is_like(self, other: Minimum) -> bool:
         """Whether two delays are one of the gyro, as far as the log sees."""
-        return abs(self.place - other.place) < max(self.unseen(MIN_UNSEEN_S), other.unseen(MIN_UNSEEN_S))
+        return abs(self.place - other.place) < max(each.unseen(MIN_UNSEEN_S) for each in (self, other))
 
 
 def minimum(squares: Callable[[float], Array], place: float, step: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:

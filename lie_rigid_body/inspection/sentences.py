@@ -152,7 +152,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
     if is_alike and len(late) == 2:
         delay_s, error_s = np.mean([*named.values()], axis=0)
         named = {"gyro": (-delay_s, error_s)}
-    or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
+    or_else = ("gyro_late",) * (is_alike and len(late) == 1)
     for sensor, (delay_s, error_s) in named.items():
         text = f"the {sensor} is {delay_s:.3f} s ± {error_s:.1g} s late against the others"
         found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)

@@ -69,8 +69,7 @@ class Stream:
 
     def between(self, begin_ns: int, end_ns: int) -> Stream:
         """Readings from one time on and up to another one, ns."""
-        first, last = np.searchsorted(self.t_ns, [begin_ns, end_ns + 1])
-        return self[slice(first, last)]
+        return self[slice(*np.searchsorted(self.t_ns, [begin_ns, end_ns + 1]))]
 
     def averaged(self, rate_hz: float, origin_ns: int) -> tuple[Array, Array]:
         """Means over as many readings as leave a rate, Hz: times since an origin, s, and readings."""
@@ -112,10 +111,9 @@ def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
         return "are all the same", np.arange(0)
     if (steps < 0).any():
         zeros = int(np.sum(t_ns[1:] == 0))
-        falls = counted(int(np.sum(steps < 0)), "time")
+        back = f"go back {counted(int(np.sum(steps < 0)), 'time')}"
         rest = np.flatnonzero(t_ns)
-        text = f"are 0 in {counted(zeros, 'reading')}" if zeros else f"go back {falls}"
-        return text, rest[longest_rising(t_ns[rest])]
+        return f"are 0 in {counted(zeros, 'reading')}" if zeros else back, rest[longest_rising(t_ns[rest])]
     ends = np.array([0, len(steps)])
     if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
         return f"are repeated in {np.mean(steps == 0):.0%} of the readings", ends
@@ -132,9 +130,11 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     gaps = steps[before]
     found.marks += [Mark(sensor, "gap", int(t_ns[i]), int(t_ns[i + 1])) for i in before]
     if len(gaps):
-        lost = np.sum(gaps / median - 1.0)
-        text = f"{counted(len(gaps), 'gap')} of up to {gaps.max() / NS:.3g} s in the {sensor}"
-        found.name("gaps", sensor, f"{text}: {lost:.0f} readings are missing, or the clock was set")
+        text = (
+            f"{counted(len(gaps), 'gap')} of up to {gaps.max() / NS:.3g} s in the {sensor}: "
+            f"{np.sum(gaps / median - 1.0):.0f} readings are missing, or the clock was set"
+        )
+        found.name("gaps", sensor, text)
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:
@@ -176,12 +176,6 @@ def is_clipped(values: Array) -> bool:
     return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * (resolution(values) or 0.0), ROUND_OFF))
 
 
-def _is_noisy(readings: Array) -> bool:
-    """Whether successive second differences have opposite signs, as those of noise, and not those of a motion."""
-    bends = np.diff(readings, 2, axis=0)
-    return bool(np.sum(bends[1:] * bends[:-1]) < 0.0)
-
-
 def tell_broken_axes(stream: Stream, found: Findings) -> None:
     """Name axes that do not move, and those that reach a range."""
     name = stream.sensor
@@ -189,13 +183,14 @@ def tell_broken_axes(stream: Stream, found: Findings) -> None:
     is_stuck = span < STUCK_SHARE * span.max()
     is_reached = [is_clipped(values) or is_clipped(-values) for values in stream.readings.T]
     stuck, clipped = (", ".join(compress(AXES, which)) for which in (is_stuck, ~is_stuck & is_reached))
-    if stuck and _is_noisy(stream.readings):
+    bends = np.diff(stream.readings, 2, axis=0)  # of noise, not of a motion, two that follow have opposite signs
+    if stuck and np.sum(bends[1:] * bends[:-1]) < 0.0:
         found.name("stuck", name, f"{stuck} of the {name} does not move")
     elif stuck:
         found.ask("stuck", f"{stuck} of the {name} does not move, as without noise it may")
     if clipped:
-        largest = np.abs(stream.readings).max()
-        found.name("clipped", name, f"{clipped} of the {name} reaches its range, {largest:.4g}, and stays there")
+        text = f"{clipped} of the {name} reaches its range, {np.abs(stream.readings).max():.4g}, and stays there"
+        found.name("clipped", name, text)
 
 
 def tell_range_and_resolution(stream: Stream, found: Findings) -> None:
