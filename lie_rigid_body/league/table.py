@@ -260,8 +260,8 @@ class LeagueTable:
     def tied(self, row: FilterRow) -> list[FilterRow]:
         """Neighbours of a row in rank, up and down, from which it is not shown to differ, best first.
 
-        No two rows from one to the other are shown to differ, by pairs of the cases by which filters are ranked, at 5 %
-        each: of two rows both are tied with the other, or none.
+        From one to the other no two rows are shown to differ, by pairs of the cases by which filters are ranked, at 5 %
+        each. So of two rows both are tied with the other, or none.
         """
         up, down = (_alike_from(row, others) for others in self._neighbours(row))
         return [*reversed(up), *down]
