@@ -143,8 +143,9 @@ def inspect(run: Run | str | Path) -> Inspection:
     every = {
         sensor: Stream.of(sensor, stamps[key], readings)
         for sensor, (key, name) in READINGS.items()
-        if key in stamps and np.any(readings := getattr(run.sensors[key], name))
+        if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
     }
+    every = {sensor: stream for sensor, stream in every.items() if stream.readings.any()}
     streams = {sensor: fresh(stream, found) for sensor, stream in every.items()}
     for sensor, stream in reversed(streams.items()):  # an IMU has the rate of its gyro
         if stream.step_s:
@@ -185,8 +186,8 @@ def inspect(run: Run | str | Path) -> Inspection:
 
 def _declared(run: Run) -> dict[str, Array]:
     """Median variances that a bag declares, by their sensors, (unit of the readings)²."""
-    given = {} if run.log is None else run.log.sensors
-    return {name: np.median(each.variance, axis=0) for name, each in given.items() if each.variance is not None}
+    given = (run.log.sensors if run.log else {}).items()
+    return {name: np.median(each.variance, axis=0) for name, each in given if each.variance is not None}
 
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:

@@ -145,8 +145,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         elif abs(delay.place) > MIN_DELAY_S or unseen_s > DIM_DELAY_S:
             found.ask(code, f"a delay of the {each.sensor} of {unseen_s:.2g} s is not seen")
         else:
-            text = f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro"
-            found.note(code, text, delay.place)
+            found.note(code, f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro", delay.place)
     is_alike = all(one.delay.is_like(other.delay) for one in late for other in comparison.vectors)
     named = {each.sensor: (each.delay.place, each.delay.error) for each in late}
     if is_alike and len(late) == 2:
@@ -221,9 +220,9 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     up, north = (each.constants.means / each.constants.size for each in comparison.vectors)
     both = min(len(up), len(north))
     dip = -np.degrees(np.arcsin(np.mean(np.sum(up[:both] * north[:both], axis=1))))
-    half, other = ("northern", "southern") if dip > 0.0 else ("southern", "northern")
+    side, half, other = ("below", "northern", "southern") if dip > 0.0 else ("above", "southern", "northern")
     text = (
-        f"the field points {abs(dip):.1f}° {'below' if dip > 0.0 else 'above'} the horizontal, as in the {half} "
+        f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} "
         f"hemisphere: does this fit the place? In the {other} one, one of the two vectors has the opposite sign"
     )
     found.note("dip", text, dip)

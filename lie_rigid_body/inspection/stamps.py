@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import compress
-from typing import Final
 
 import numpy as np
 from scipy.interpolate import interp1d
@@ -31,8 +30,6 @@ from lie_rigid_body.inspection.rule import (
     STUCK_SHARE,
 )
 
-AXES: Final = "xyz"
-
 
 @dataclass(frozen=True, eq=False)
 class Stream:
@@ -52,8 +49,7 @@ class Stream:
     @classmethod
     def of(cls, sensor: str, t_ns: Integers, readings: Array) -> Stream:
         """Leave out what is not finite."""
-        finite = np.isfinite(readings).all(axis=1)
-        return cls(sensor, t_ns, readings)[finite]
+        return cls(sensor, t_ns, readings)[np.isfinite(readings).all(axis=1)]
 
     def changed(self, change: Change) -> Stream:
         """Readings with a change of their values."""
@@ -127,9 +123,9 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     steps = np.diff(t_ns)
     median = np.median(steps)
     before = np.flatnonzero(steps > GAP_STEP * median)
-    gaps = steps[before]
     found.marks += [Mark(sensor, "gap", int(t_ns[i]), int(t_ns[i + 1])) for i in before]
-    if len(gaps):
+    if len(before):
+        gaps = steps[before]
         text = (
             f"{counted(len(gaps), 'gap')} of up to {gaps.max() / NS:.3g} s in the {sensor}: "
             f"{np.sum(gaps / median - 1.0):.0f} readings are missing, or the clock was set"
@@ -182,7 +178,7 @@ def tell_broken_axes(stream: Stream, found: Findings) -> None:
     span = np.ptp(stream.readings, axis=0)
     is_stuck = span < STUCK_SHARE * span.max()
     is_reached = [is_clipped(values) or is_clipped(-values) for values in stream.readings.T]
-    stuck, clipped = (", ".join(compress(AXES, which)) for which in (is_stuck, ~is_stuck & is_reached))
+    stuck, clipped = (", ".join(compress("xyz", which)) for which in (is_stuck, ~is_stuck & is_reached))
     bends = np.diff(stream.readings, 2, axis=0)  # of noise, not of a motion, two that follow have opposite signs
     if stuck and np.sum(bends[1:] * bends[:-1]) < 0.0:
         found.name("stuck", name, f"{stuck} of the {name} does not move")
