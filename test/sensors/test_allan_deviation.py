@@ -59,7 +59,7 @@ def test_densities_are_those_put_in_within_their_standard_errors() -> None:
 
 def test_a_variance_that_falls_faster_than_white_noise_tells_no_walk() -> None:
     """A log in which the least squares has no smallest walk; white noise by weighted least squares alone."""
-    tau_s = 0.16 * 2.0 ** np.arange(6)
+    tau_s = np.ldexp(0.16, np.arange(6))
     variance = np.array([2.1985e-08, 1.1292e-08, 5.9577e-09, 2.7320e-09, 1.1389e-09, 7.7541e-10])
     freedom = np.array([1119.0, 556.5, 275.25, 134.625, 64.3125, 29.15625])
     found = density(Allan(tau_s, variance, freedom))
