@@ -77,6 +77,7 @@ def test_slow_tests_run_when_asked_for(project: Path, options: tuple[str, ...]) 
     assert "2 passed" in run_without_ros(project, *options).stdout
 
 
+@pytest.mark.ros
 def test_domain_is_private() -> None:
     assert 1 <= int(os.environ["ROS_DOMAIN_ID"]) <= 101
     assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
