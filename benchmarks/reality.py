@@ -31,7 +31,7 @@ from scipy.stats import kendalltau
 from league import recordings
 from league.contender import Setting, filters
 from league.kept import each, key_of
-from league.page import DIGITS, TUNED
+from league.page import TUNED, short
 from lie_rigid_body.league.table import FilterRow, reference
 
 Array = NDArray[np.float64]
@@ -193,8 +193,7 @@ def errors(folder: Path, playing: Sequence[tuple[int, Setting]]) -> Array:
     keys = [key_of(filters()[job.number], job.setting, recorded(folder)[job.recording].digest) for job in jobs]
     with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         found = each(pool, partial(played, folder), jobs, keys, "recordings")
-    shown = [float(f"{error:.{DIGITS}g}") for error in found]
-    return np.reshape(shown, (len(recorded(folder)), len(playing))).T
+    return np.reshape([short(error) for error in found], (len(recorded(folder)), len(playing))).T
 
 
 if __name__ == "__main__":

@@ -113,7 +113,7 @@ class SegmentLaws:
         """Errors of attitudes and of positions that come next, and their limits, for poses that stand elsewhere."""
         elapsed_ns = stamps_ns - self._segment.start_ns
         exact = self._motion.at(elapsed_ns)
-        angle, _ = angles_between(exact.attitude_xyzw, attitude_xyzw)
+        angle, _ = _angle_and_cosine(exact.attitude_xyzw, attitude_xyzw)
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
         return self._attitude(angle, speeds, elapsed_ns), self._place(position, self._mass_centre.at(elapsed_ns))
 
@@ -127,7 +127,7 @@ class SegmentLaws:
 
     def _attitude_and_rate(self, recorded: State, norm: Array, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Attitude and rate, and the norm and the sign of the quaternions, which are recorded with that norm."""
-        angle, cosine = angles_between(exact.attitude_xyzw, recorded.attitude_xyzw)
+        angle, cosine = _angle_and_cosine(exact.attitude_xyzw, recorded.attitude_xyzw)
         speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
         yield self._attitude(angle, speeds, elapsed_ns)
         # a rest between kicks is exact by every method: any other rate is infinitely far; one on a path is computed
@@ -168,7 +168,7 @@ class SegmentLaws:
         return SegmentResults(tuple(laws), self._is_exact)
 
 
-def angles_between(exact_xyzw: Array, recorded_xyzw: Array) -> tuple[Array, Array]:
+def _angle_and_cosine(exact_xyzw: Array, recorded_xyzw: Array) -> tuple[Array, Array]:
     """Angles between attitudes, rad, and cosines of half of them, which are negative where the signs differ: (N,)."""
     x, y, z, cosine = quaternion.product(quaternion.conjugate(exact_xyzw).T, recorded_xyzw.T)
     return 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine)), cosine

@@ -179,11 +179,13 @@ def tell_broken_axes(stream: Stream, found: Findings) -> None:
     is_stuck = span < STUCK_SHARE * span.max()
     is_reached = [is_clipped(values) or is_clipped(-values) for values in stream.readings.T]
     stuck, clipped = (", ".join(compress("xyz", which)) for which in (is_stuck, ~is_stuck & is_reached))
-    bends = np.diff(stream.readings, 2, axis=0)  # of noise, not of a motion, two that follow have opposite signs
-    if stuck and np.sum(bends[1:] * bends[:-1]) < 0.0:
-        found.name("stuck", name, f"{stuck} of the {name} does not move")
-    elif stuck:
-        found.ask("stuck", f"{stuck} of the {name} does not move, as without noise it may")
+    if stuck:
+        text = f"{stuck} of the {name} does not move"
+        bends = np.diff(stream.readings, 2, axis=0)  # of noise, not of a motion, two that follow have opposite signs
+        if np.sum(bends[1:] * bends[:-1]) < 0.0:
+            found.name("stuck", name, text)
+        else:
+            found.ask("stuck", f"{text}, as without noise it may")
     if clipped:
         text = f"{clipped} of the {name} reaches its range, {np.abs(stream.readings).max():.4g}, and stays there"
         found.name("clipped", name, text)

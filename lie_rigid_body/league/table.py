@@ -350,7 +350,8 @@ def rank_with_ties(table: LeagueTable, row: FilterRow) -> str:
 def standing(table: LeagueTable, row: FilterRow) -> str:
     """Sentences about the place of a row in a table that has it."""
     ranks = {group: table.rank_in(row, group) for group in GROUPS}
-    best, worst = min(ranks, key=ranks.__getitem__), max(ranks, key=ranks.__getitem__)
+    best = min(ranks, key=ranks.__getitem__)
+    worst = max(ranks, key=ranks.__getitem__)
     failed = [name for name, result in row.results.items() if result.failure]
     biases = row.of(RANKED, "gyro_bias_rms_rad_s")
     sentences = (

@@ -23,11 +23,8 @@ def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-4, vectors: f
     direction = gtsam.noiseModel.Isotropic.Sigma(2, vectors)
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     nodes = range(0, len(given.t_ns), SPAN)
-    begin = given.first_attitude
+    begin = gtsam.Rot3(given.first_attitude.as_matrix())
     for i, k in enumerate(nodes):
-        for reading in given.gyro[max(k - SPAN + 1, 0) : k + 1] if i else ():
-            begin = begin * Rotation.from_rotvec(reading * given.dt)
-        values.insert(R(i), gtsam.Rot3(begin.as_matrix()))
         for reference, reading in ((UP, given.acc[k]), (given.field, given.mag[k])):
             graph.add(gtsam.AttitudeFactorRot3(R(i), gtsam.Unit3(reference), direction, gtsam.Unit3(reading)))
         if i % BIAS_SPAN == 0:
@@ -40,6 +37,8 @@ def estimate(given: Readings, gyro: float = 1e-3, bias: float = 1e-4, vectors: f
             for reading in given.gyro[k - SPAN + 1 : k + 1]:
                 integral.integrateMeasurement(reading, given.dt)
             graph.add(gtsam.AHRSFactor(R(i - 1), R(i), B((i - 1) // BIAS_SPAN), integral))
+            begin = begin.compose(integral.deltaRij())
+        values.insert(R(i), begin)
     found = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
     out = []
     for k in range(len(given.t_ns)):
