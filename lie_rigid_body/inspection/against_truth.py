@@ -51,9 +51,9 @@ def report_truth(found: Findings, gyro: Stream, truth: Truth) -> GyroFit | None:
         found.name("truth_late", "truth", text, f"{-fit.late_s:+.4f} s")
     else:
         found.note("truth_late", text, fit.late_s)
-    angle = float(np.linalg.norm(quaternion.log(fit.mounting_xyzw)))
+    angle = np.linalg.norm(quaternion.log(fit.mounting_xyzw))
     turn = angle_and_axis(fit.mounting_xyzw)
-    error = float(np.linalg.norm(errors[1:4]))
+    error = np.linalg.norm(errors[1:4])
     text = f"the axes of the truth's body are those of the gyro rotated by {turn}, ± {np.degrees(error):.1g}°"
     if angle > max(MIN_TRUTH_MOUNTING, SIGMAS * error):
         found.name("truth_mounting", "truth", text + places(fit.mounting_xyzw), turn)

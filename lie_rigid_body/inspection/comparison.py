@@ -160,7 +160,7 @@ def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> 
         (each.best()[1].gyro for each in vectors), key=lambda one: max(each.contrast(one) for each in vectors)
     )
     if turned_deg * min(clearest.factor, 1.0) > MAX_ROTATION_DEG:  # larger ones are found where nothing fits
-        return "the log is too slow for its motion, and wants a higher rate or slower turns"
+        return "the log is too slow for its motion, and wants a higher rate or slower turns; or its gyro reads counts"
     vectors = [fit for each in vectors for fit in _explained(each, more, found)]
     every = explanations(vectors, (*GYROS, *more)) if vectors else []
     if not every:

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth
+from lie_rigid_body.evaluation.attitudes import period_ns
 from lie_rigid_body.evaluation.gyro import GyroFit
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import NS
@@ -19,11 +20,13 @@ from lie_rigid_body.inspection.against_truth import report_truth
 from lie_rigid_body.inspection.comparison import compare
 from lie_rigid_body.inspection.findings import Change, Estimated, Findings, LogMistake, LogNote, Mark, Undecided
 from lie_rigid_body.inspection.noise import tell_noise
+from lie_rigid_body.inspection.rule import MAX_DELAY_S
 from lie_rigid_body.inspection.sentences import tell_constants, tell_mistakes, tell_unit_of_field
 from lie_rigid_body.inspection.stamps import (
     Stream,
     checked_stamps,
     fresh,
+    is_noisy,
     tell_broken_axes,
     tell_range_and_resolution,
 )
@@ -145,17 +148,19 @@ def inspect(run: Run | str | Path) -> Inspection:
         for sensor, (key, name) in READINGS.items()
         if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
     }
-    every = {sensor: stream for sensor, stream in every.items() if stream.readings.any()}
     streams = {sensor: fresh(stream, found) for sensor, stream in every.items()}
+    noisy = any(is_noisy(stream.readings) for stream in streams.values())
     for sensor, stream in reversed(streams.items()):  # an IMU has the rate of its gyro
         if stream.step_s:
             found.estimate(f"{READINGS[sensor][0]}_rate", float(f"{1.0 / stream.step_s:.7g}"))
-        tell_broken_axes(stream, found)
-    streams = {sensor: stream for sensor, stream in streams.items() if not found.has("stuck", sensor)}
+            tell_broken_axes(stream, noisy=noisy, found=found)
+    streams = {
+        sensor: stream for sensor, stream in streams.items() if stream.readings.any() and not found.has("stuck", sensor)
+    }
     comparison = None
     if "gyro" in streams and len(streams) > 1:
         comparison = compare(*streams.values(), found=found)
-    elif run.given_truth is None and streams:
+    elif run.given_truth is None:
         found.ask_all("the gyro and another sensor that moves are needed", "gyro")
     if comparison is not None:
         tell_mistakes(comparison, found)
@@ -207,11 +212,12 @@ def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
 
 
 def _tell_other_clock(stamps: dict[str, Integers], found: Findings) -> None:
-    """Name stamps of the magnetometer that have no time in common with the IMU, and move them to its first."""
+    """Name stamps of the magnetometer that begin and end as much later than the IMU's, and move them to its first."""
     imu = stamps["imu"]
     other = stamps["magnetometer"]
-    if other[0] > imu[-1] or imu[0] > other[-1]:
-        ahead_s = (other[0] - imu[0]) / NS
+    ahead_s = (other[0] - imu[0]) / NS
+    is_as_long = abs(np.ptp(other) - np.ptp(imu)) <= period_ns(other)
+    if other[0] > imu[-1] or imu[0] > other[-1] or (is_as_long and abs(ahead_s) > MAX_DELAY_S):
         text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
         found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
         stamps["magnetometer"] = other - other[0] + imu[0]

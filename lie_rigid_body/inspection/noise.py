@@ -92,7 +92,7 @@ def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], fou
         if name in declared:
             _judge_variance(still, declared[name], found)
         step_s = still.step_s
-        if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings):
+        if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings, axis=0).any():
             continue
         measured = allan(still.readings, step_s)
         grid = (resolution(stream.readings[:, 0]) or 0.0) ** 2 / 12.0 * step_s / measured.tau_s

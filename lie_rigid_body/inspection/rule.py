@@ -176,6 +176,8 @@ MAX_REPEATED_STAMPS: Final = 0.01
 """Share of repeated stamps from which they are a mistake."""
 BURST_STEP: Final = 0.2
 """Step, in mean steps, below which a reading follows in a burst."""
+RATE_PARTS: Final = 20
+"""Even stamps have the median step over two of so many parts of a log: few of these have a clock that was set."""
 PAUSES: Final = 0.001
 """Share of the steps that this mean leaves out, the longest: a log that paused has no bursts."""
 MAX_IN_BURSTS: Final = 0.3

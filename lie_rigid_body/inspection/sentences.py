@@ -17,6 +17,7 @@ from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_UNITS,
     DIM_DELAY_S,
     MAGNETOMETER_UNITS,
+    MAX_DELAY_S,
     MAX_SHAPE_ERROR,
     MAX_UNIT_LOG_ERROR,
     MAX_UNIT_MISFIT,
@@ -98,7 +99,7 @@ def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
 
 def _meaning(repair: SensorRepair) -> str:
     """Meaning of a repair, in words: by its text where there is a sentence of its own."""
-    sign = "" if repair.sensor == "gyro" else ", but for the sign of all three, of which the dip tells"
+    sign = "" if repair.sensor == "gyro" else ", but for the sign of all three"
     axes = f"the {repair.sensor}'s axes are not those of the other sensors{sign}"
     return _MEANINGS.get(repair.text, _MEANINGS.get(repair.code, axes))
 
@@ -116,7 +117,7 @@ def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
 def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     """Tell a factor of the gyro beside that of its unit."""
     verdict = comparison.verdict
-    unit = float(np.prod([repair.unit for repair in verdict.named]))
+    unit = np.prod([repair.unit for repair in verdict.named])
     factor = comparison.gyro.factor / unit
     sigma = comparison.factor.sigma
     codes = {repair.code for each in (verdict.named, *verdict.or_else) for repair in each}
@@ -143,7 +144,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         elif abs(delay.place) > unseen_s and each.is_told:
             late.append(each)
         elif abs(delay.place) > MIN_DELAY_S or unseen_s > DIM_DELAY_S:
-            found.ask(code, f"a delay of the {each.sensor} of {unseen_s:.2g} s is not seen")
+            found.ask(code, f"a delay of the {each.sensor} of {min(unseen_s, MAX_DELAY_S):.2g} s is not seen")
         else:
             found.note(code, f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro", delay.place)
     is_alike = all(one.delay.is_like(other.delay) for one in late for other in comparison.vectors)
@@ -220,10 +221,10 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     up, north = (each.constants.means / each.constants.size for each in comparison.vectors)
     both = min(len(up), len(north))
     dip = -np.degrees(np.arcsin(np.mean(np.sum(up[:both] * north[:both], axis=1))))
-    side, half, other = ("below", "northern", "southern") if dip > 0.0 else ("above", "southern", "northern")
+    side, half = ("below", "northern") if dip > 0.0 else ("above", "southern")
     text = (
         f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} "
-        f"hemisphere: does this fit the place? In the {other} one, one of the two vectors has the opposite sign"
+        f"hemisphere: does this fit the place? In the other one, one of the two vectors has the opposite sign"
     )
     found.note("dip", text, dip)
     (size,) = (note.value for note in found.notes if note.code == "field")
@@ -232,8 +233,8 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
 
 def tell_unit_of_field(readings: Stream, comparison: SensorComparison | None, found: Findings) -> None:
     """Tell the unit of a magnetometer, by the size of its readings less the hard iron that is told."""
-    told = [] if comparison is None else [each for each in comparison.vectors if each.sensor == readings.sensor]
-    iron = sum(each.constants.shape_offset for each in told if each.is_told)
+    told = () if comparison is None else comparison.vectors
+    iron = sum(each.constants.shape_offset for each in told if each.is_told and each.sensor == readings.sensor)
     size = float(np.median(np.linalg.norm(readings.readings - iron, axis=1)))
     _tell_unit("magnetometer", size, is_sure=True, found=found)
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from itertools import compress
 
 import numpy as np
-from scipy.interpolate import interp1d
 
-from lie_rigid_body.evaluation.attitudes import longest_rising, period_ns
+from lie_rigid_body.evaluation.attitudes import period_ns
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import counted
@@ -26,6 +25,7 @@ from lie_rigid_body.inspection.rule import (
     MIN_HELD,
     MIN_HOLD,
     PAUSES,
+    RATE_PARTS,
     ROUND_OFF,
     STUCK_SHARE,
 )
@@ -85,45 +85,42 @@ def checked_stamps(sensor: str, t_ns: Integers, widest_ns: Integers, found: Find
         Stamps over whose span those are spread that are all the same.
     found : Findings
     """
-    fault, kept = _fault_of_stamps(t_ns)
+    fault = _fault_of_stamps(t_ns)
     if not fault:
         _tell_gaps(sensor, t_ns, found)
         return t_ns
     found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
-    if len(kept) < 2:
+    rows = np.flatnonzero(t_ns)
+    reach = 2 * (1 + len(rows) // RATE_PARTS)  # even, as two clocks may alternate
+    step = np.median(t_ns[rows[reach:]] - t_ns[rows[:-reach]]) / reach if len(rows) > reach else 0.0
+    if step <= 0.0:
         return np.linspace(widest_ns.min(), widest_ns.max(), len(t_ns)).astype(np.int64)
-    line = interp1d(kept, t_ns[kept] - t_ns[kept[0]], fill_value="extrapolate")
-    even = np.asarray(t_ns[kept[0]] + np.round(line(np.arange(len(t_ns)))).astype(np.int64))
-    firsts, lasts = runs_of(0, ~np.isin(np.arange(len(t_ns)), kept))
-    found.marks += [Mark(sensor, "stamps", int(even[i]), int(even[j])) for i, j in zip(firsts, lasts, strict=True)]
-    _tell_gaps(sensor, even, found)
+    even: Integers = t_ns[rows[0]] + np.round((np.arange(len(t_ns)) - rows[0]) * step).astype(np.int64)
+    zeros = zip(*runs_of(0, t_ns == 0), strict=True)
+    found.marks += [Mark(sensor, "stamps", int(even[i]), int(even[j])) for i, j in zeros]
     return even
 
 
-def _fault_of_stamps(t_ns: Integers) -> tuple[str, Integers]:
-    """Say in words what is wrong with stamps, empty for nothing, and the indices of those that can be kept."""
+def _fault_of_stamps(t_ns: Integers) -> str:
+    """Say in words what is wrong with stamps; empty for nothing."""
     steps = np.diff(t_ns)
     if np.ptp(t_ns) == 0:
-        return "are all the same", np.arange(0)
+        return "are all the same"
     if (steps < 0).any():
-        zeros = int(np.sum(t_ns[1:] == 0))
-        back = f"go back {counted(int(np.sum(steps < 0)), 'time')}"
-        rest = np.flatnonzero(t_ns)
-        return f"are 0 in {counted(zeros, 'reading')}" if zeros else back, rest[longest_rising(t_ns[rest])]
-    ends = np.array([0, len(steps)])
+        zeros = len(steps[t_ns[1:] == 0])
+        back = f"go back {counted(len(steps[steps < 0]), 'time')}"
+        return f"are 0 in {counted(zeros, 'reading')}" if zeros else back
     if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
-        return f"are repeated in {np.mean(steps == 0):.0%} of the readings", ends
+        return f"are repeated in {np.mean(steps == 0):.0%} of the readings"
     usual = steps[steps <= np.quantile(steps, 1.0 - PAUSES)].mean()
-    if np.mean(steps < BURST_STEP * usual) > MAX_IN_BURSTS:
-        return "come in bursts", ends
-    return "", ends
+    return "come in bursts" if np.mean(steps < BURST_STEP * usual) > MAX_IN_BURSTS else ""
 
 
 def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     steps = np.diff(t_ns)
     median = np.median(steps)
     before = np.flatnonzero(steps > GAP_STEP * median)
-    found.marks += [Mark(sensor, "gap", int(t_ns[i]), int(t_ns[i + 1])) for i in before]
+    found.marks += [Mark(sensor, "gap", *t_ns[i : i + 2].tolist()) for i in before]
     if len(before):
         gaps = steps[before]
         text = (
@@ -146,7 +143,7 @@ def fresh(stream: Stream, found: Findings) -> Stream:
     if hold > MIN_HOLD:
         found.name("repeated", stream.sensor, text, "the first of each")
     else:
-        found.note("rates", text, float(hold))
+        found.note("rates", text, hold)
     return stream[first]
 
 
@@ -172,22 +169,25 @@ def is_clipped(values: Array) -> bool:
     return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * (resolution(values) or 0.0), ROUND_OFF))
 
 
-def tell_broken_axes(stream: Stream, found: Findings) -> None:
-    """Name axes that do not move, and those that reach a range."""
+def is_noisy(readings: Array) -> bool:
+    """Whether readings have noise: of it, not of a motion, two bends that follow have opposite signs."""
+    bends = np.diff(readings, 2, axis=0)
+    return bool(np.sum(bends[1:] * bends[:-1]) < 0.0)
+
+
+def tell_broken_axes(stream: Stream, *, noisy: bool, found: Findings) -> None:
+    """Name axes that do not move, if the log has noise, and those that reach a range."""
     name = stream.sensor
     span = np.ptp(stream.readings, axis=0)
-    is_stuck = span < STUCK_SHARE * span.max()
+    is_stuck = span <= STUCK_SHARE * span.max()
     is_reached = [is_clipped(values) or is_clipped(-values) for values in stream.readings.T]
     stuck, clipped = (", ".join(compress("xyz", which)) for which in (is_stuck, ~is_stuck & is_reached))
-    if stuck:
-        text = f"{stuck} of the {name} does not move"
-        bends = np.diff(stream.readings, 2, axis=0)  # of noise, not of a motion, two that follow have opposite signs
-        if np.sum(bends[1:] * bends[:-1]) < 0.0:
-            found.name("stuck", name, text)
-        else:
-            found.ask("stuck", f"{text}, as without noise it may")
+    if stuck and noisy:
+        found.name("stuck", name, f"the {name} does not move in {stuck}")
+    elif stuck:
+        found.ask("stuck", f"without noise an axis may not move, as {stuck} of the {name}")
     if clipped:
-        text = f"{clipped} of the {name} reaches its range, {np.abs(stream.readings).max():.4g}, and stays there"
+        text = f"the {name} reaches its range in {clipped}, {np.abs(stream.readings).max():.4g}, and stays there"
         found.name("clipped", name, text)
 
 

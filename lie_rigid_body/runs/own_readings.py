@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,12 +14,15 @@ from lie_rigid_body.evaluation.arguments import integer_stamps, numbers
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import numerals
 from lie_rigid_body.recording.logs import Log, Vectors, require_overlap
 from lie_rigid_body.recording.poses import stamped_poses
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 
+MAX_READING: Final = 1e12
+"""Largest reading, in SI units: squares of larger ones are lost in round-off, or overflow."""
 GivenTruth: TypeAlias = "SampledTruth | tuple[ArrayLike, ArrayLike] | str | Path | None"
 """A truth, its stamps and attitudes, a file of poses, or a topic of the log."""
 
@@ -50,7 +53,18 @@ def _vectors(name: str, t_ns: ArrayLike, values: ArrayLike) -> Vectors:
 
 
 def sensors_of(log: Log) -> dict[str, SensorArrays]:
-    """The arrays of a log; where the accelerometer has stamps of its own, it is linear at those of the gyro."""
+    """The arrays of a log; where the accelerometer has stamps of its own, it is linear at those of the gyro.
+
+    Raises
+    ------
+    InputError
+        If a reading is too large.
+    """
+    for sensor, vectors in log.sensors.items():
+        rows, _ = np.nonzero(np.abs(vectors.values) > MAX_READING)
+        if len(rows):
+            told = f"{log.name}: reading {rows[0] + 1} of the {sensor} is ({numerals(vectors.values[rows[0]])})"
+            raise InputError(f"{told}, and no sensor reads more than {MAX_READING:g}: remove it")
     other = log.accelerometer
     force = None if other is None else other.values
     if other is not None and not np.array_equal(other.t_ns, log.gyro.t_ns):

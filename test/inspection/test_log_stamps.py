@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from lie_rigid_body.inspection.findings import Findings
-from lie_rigid_body.inspection.stamps import Stream, checked_stamps, fresh, is_clipped, resolution, tell_broken_axes
+from lie_rigid_body.inspection.stamps import (
+    Stream,
+    checked_stamps,
+    fresh,
+    is_clipped,
+    is_noisy,
+    resolution,
+    tell_broken_axes,
+)
 
 STAMPS = np.arange(1000) * 10_000_000
 RNG = np.random.default_rng(3)
@@ -31,7 +39,15 @@ def in_bursts(t_ns: np.ndarray) -> np.ndarray:
     return t_ns - t_ns % 50_000_000 + np.arange(len(t_ns)) % 5 * 1000
 
 
-@pytest.mark.parametrize("broken", [zeroed, going_back, in_bursts, np.zeros_like])
+def set_back(t_ns: np.ndarray) -> np.ndarray:
+    return t_ns - np.where(np.arange(len(t_ns)) < 500, 0, 3_000_000_000)
+
+
+def of_two_clocks(t_ns: np.ndarray) -> np.ndarray:
+    return t_ns + np.where(np.arange(len(t_ns)) % 2, 12_000_000_000, 0)
+
+
+@pytest.mark.parametrize("broken", [zeroed, going_back, in_bursts, np.zeros_like, set_back, of_two_clocks])
 def test_broken_stamps_are_named_and_even_afterwards(broken) -> None:
     even, found = stamps_of(broken(STAMPS))
     assert [mistake.code for mistake in found.mistakes] == ["stamps"]
@@ -89,12 +105,14 @@ def test_a_range_is_where_readings_stay_and_drop_away() -> None:
     assert not is_clipped(np.round(values))  # a coarse sensor stays at its peaks as well
 
 
-def test_a_stuck_axis_is_named() -> None:
+@pytest.mark.parametrize("axes", [[1], [0, 1, 2]])
+def test_stuck_axes_are_named(axes: list[int]) -> None:
     readings = waves() + RNG.normal(size=(1000, 3)) * 1e-3
-    readings[:, 1] = 0.25
+    noisy = is_noisy(readings)
+    readings[:, axes] = 0.25
     found = Findings()
-    tell_broken_axes(Stream.of("gyro", STAMPS, readings), found)
-    assert [(mistake.code, mistake.message) for mistake in found.mistakes] == [("stuck", "y of the gyro does not move")]
+    tell_broken_axes(Stream.of("gyro", STAMPS, readings), noisy=noisy, found=found)
+    assert [(mistake.code, mistake.sensor) for mistake in found.mistakes] == [("stuck", "gyro")]
 
 
 def test_an_axis_of_a_perfect_sensor_may_stay() -> None:
@@ -102,5 +120,5 @@ def test_an_axis_of_a_perfect_sensor_may_stay() -> None:
     readings = waves()
     readings[:, 1] = 0.25
     found = Findings()
-    tell_broken_axes(Stream.of("gyro", STAMPS, readings), found)
+    tell_broken_axes(Stream.of("gyro", STAMPS, readings), noisy=is_noisy(readings), found=found)
     assert (found.mistakes, list(found.undecided)) == ([], ["stuck"])

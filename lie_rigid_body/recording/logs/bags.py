@@ -112,6 +112,6 @@ def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple
         if (variance[:, 0] == NOT_GIVEN).all():
             continue
         if len(bad := np.flatnonzero(~np.isfinite(values).all(axis=1))):
-            told = f"message {bad[0] + 1} on {track.topic} has a {field} that is not finite, of {len(bad)} such"
+            told = f"the {field} of message {bad[0] + 1} on {track.topic}, one of {len(bad)} such, is not finite"
             raise InputError(f"{path}: {told}: leave them out")
         yield sensor, Vectors(t_ns, values, logged_ns, variance if variance.any() else None)

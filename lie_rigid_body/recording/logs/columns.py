@@ -113,7 +113,7 @@ def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], 
         taken += told
         if others:
             names = listed([each.name for each in others])
-            taken.append(f"The {sensor} is not {names}: name its columns to choose another.")
+            taken.append(f"The {sensor} is not {names}: name its columns, or give its file, to choose another.")
     if lacks:
         force = read[ACCELEROMETER]
         for triple in gravity[:1]:
@@ -180,7 +180,8 @@ def _read(triple: Triple) -> tuple[Vectors, list[str]]:
     clock = clock_of(head, [row[column] for row in first], table.program[1].get(TIME, ""))
     if clock is None:
         remedy = f"name another column, or its unit, such as t={head.text}:ms"
-        raise InputError(f"{table.source}: size and steps of {shown(head.text)} are those of no time: {remedy}")
+        told = f"size and steps of {shown(head.text)}, in {len(first)} rows, are those of no time"
+        raise InputError(f"{table.source}: {told}: {remedy}")
     t_ns, values = table.read(column, clock.read, triple.columns)
     if not len(t_ns):
         raise InputError(f"{table.source} has no row of the {triple.sensor}: complete it")

@@ -80,7 +80,8 @@ def read_log(
     if not isinstance(columns, Mapping | None):
         raise InputError(f'columns {shown(columns)}: give fields and columns, such as {{"gyro_x": "wx:deg/s"}}')
     if file.suffix.lower() == _ROS_1:
-        raise InputError(f"{file} is a bag of ROS 1: convert it by rosbags-convert --src {file.name} --dst {file.stem}")
+        remedy = f"convert it by rosbags-convert --src {file} --dst {file.with_suffix('')}"
+        raise InputError(f"{file} is a bag of ROS 1: {remedy}")
     if _is_bag(file):
         if columns:
             raise InputError(f"{file} is a bag, which has no columns: choose topics by imu and magnetometer")

@@ -16,6 +16,8 @@ from lie_rigid_body.system.output_file import reason
 
 MAX_LINE_BYTES: Final = 2**20
 """Largest size of a line, bytes: one of a thousand columns."""
+MAX_ZIP_BYTES: Final = 2**30
+"""Largest size of a zip's members, bytes: an hour of three sensors at 1 kHz."""
 TextSource: TypeAlias = "Path | zipfile.Path"
 """A file, or a member of a zip."""
 _TABLES: Final = (".csv", ".txt", ".tsv", ".dat")
@@ -53,9 +55,12 @@ def sources_of(path: Path) -> list[TextSource]:
     every: list[TextSource]
     with _refusing(path):
         if path.is_dir():
-            every = [*path.iterdir()]
+            every = [*path.rglob("*")]
         elif path.suffix.lower() == _ZIP:
             archive = zipfile.ZipFile(path)
+            size = sum(member.file_size for member in archive.infolist())
+            if size > MAX_ZIP_BYTES:
+                raise InputError(f"{path} unpacks to {size} bytes, and {MAX_ZIP_BYTES} are read: give a part of it")
             every = [zipfile.Path(archive, name) for name in archive.namelist()]
         else:
             return [path]
