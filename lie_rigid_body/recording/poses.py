@@ -142,7 +142,7 @@ def _of_text(path: str | Path) -> tuple[list[int], Array]:
             unit, columns = _LAYOUTS["," in line, len(cells)]
             numbers = [*map(real, cells), 0.0]
             times.append(nanoseconds(cells[0], unit))
-        except (KeyError, ValueError):
+        except (KeyError, ArithmeticError, ValueError):
             raise InputError(f"{path}, line {number}: {shown(line)} is no pose: give {_KINDS}") from None
         poses.append([numbers[column] for column in columns])
     if not times:

@@ -8,8 +8,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import SI, listed, shown, suggestion
@@ -17,7 +15,7 @@ from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER
 from lie_rigid_body.recording.logs.headings import GRAVITY, TIME, UNITS, heading, sensor_of, unit_key
 from lie_rigid_body.recording.logs.sources import lines_of, sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
-from lie_rigid_body.recording.logs.times import MISSING, clock_of, share_that_rises
+from lie_rigid_body.recording.logs.times import clock_of, share_that_rises
 
 FIELDS: Final = ("t", *(f"{sensor}_{axis}" for sensor in (GYRO, ACCELEROMETER, MAGNETOMETER) for axis in "xyz"))
 """Names by which columns are given."""
@@ -138,8 +136,7 @@ def _name_columns(tables: list[TextTable], columns: Mapping[str, str | int]) -> 
 
 def _find(table: TextTable, name: str) -> tuple[int, str] | None:
     """The column with a header, or of a number from 1 on, and the unit that is given behind it."""
-    places = {f"{i}": i - 1 for i in range(1, len(table.headings) + 1)}
-    places |= {head.text: i for i, head in enumerate(table.headings)}
+    places = {text: i for i, head in enumerate(table.headings) for text in (f"{i + 1}", head.text)}
     return next(
         ((places[text], unit) for text, unit in ((name, ""), name.rpartition(":")[::2]) if text in places), None
     )
@@ -178,19 +175,16 @@ def _read(triple: Triple) -> tuple[Vectors, list[str]]:
     if clock is None:
         remedy = f"name another column, or its unit, such as t={head.text}:ms"
         raise InputError(f"{table.source}: size and steps of {shown(head.text)} are those of no time: {remedy}")
-    lines, t_ns, values = table.read(column, clock.read, triple.columns)
-    there = ~np.isnan(values).all(axis=1)
-    faulty = there & (np.isnan(values).any(axis=1) | (t_ns == MISSING))
-    if faulty.any() or not there.any():
-        told = f", line {lines[faulty][0]}: an empty cell" if faulty.any() else " has no row"
-        raise InputError(f"{table.source}{told} of the {triple.sensor} or of its time: complete it")
+    t_ns, values = table.read(column, clock.read, triple.columns)
+    if not len(t_ns):
+        raise InputError(f"{table.source} has no row of the {triple.sensor}: complete it")
     factor, of_unit = triple.factor()
-    t_ns, of_time = clock.unwrapped(t_ns[there])
+    t_ns, of_time = clock.unwrapped(t_ns)
     sentences = [
         f"The {triple.sensor} is {triple.name}, {of_unit}.",
         f"The time is {head.text} of {table.source.name}, {of_time}.",
     ]
-    return Vectors(t_ns, factor * values[there], triple.name), sentences
+    return Vectors(t_ns, factor * values, triple.name), sentences
 
 
 def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> int:

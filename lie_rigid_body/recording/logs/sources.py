@@ -14,38 +14,32 @@ from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.system.bounded_input import open_file
 from lie_rigid_body.system.output_file import reason
 
-MAX_TEXT_BYTES: Final = 2**30
-"""Largest size of the text of a table, bytes: an hour at 1 kHz with 300 characters a line."""
 MAX_LINE_BYTES: Final = 2**20
 """Largest size of a line, bytes: one of a thousand columns."""
 TextSource: TypeAlias = "Path | zipfile.Path"
 """A file, or a member of a zip."""
 _TABLES: Final = (".csv", ".txt", ".tsv", ".dat")
-_ZIP: Final = b"PK"
+_ZIP: Final = ".zip"
 
 
 def lines_of(source: TextSource) -> Iterator[str]:
-    """Lines of a text file without their ends.
+    """Lines of a text file without their ends and the blanks around them.
 
     Raises
     ------
     InputError
-        If it cannot be read, is damaged, is no text, or is longer than is read.
+        If it cannot be read, is damaged, or is no text.
     """
-    size = 0
     with _refusing(source), open_file(source) if isinstance(source, Path) else source.open("rb") as stream:
         while line := stream.readline(MAX_LINE_BYTES + 1):
-            size += len(line)
             if len(line) > MAX_LINE_BYTES or b"\0" in line:
                 told = "is no text" if b"\0" in line else f"has a line of more than {MAX_LINE_BYTES} bytes"
                 raise InputError(f"{source} {told}, it begins {shown(line[:8])}: give a CSV or a bag")
-            if size > MAX_TEXT_BYTES:
-                raise InputError(f"{source} has more than {MAX_TEXT_BYTES} bytes of text: give a part of it")
             try:
                 text = line.decode()
             except UnicodeDecodeError:  # older loggers write ° and µ so
                 text = line.decode("latin-1")
-            yield text.strip("\ufeff\r\n")
+            yield text.strip("\ufeff\r\n ")
 
 
 def sources_of(path: Path) -> list[TextSource]:
@@ -60,12 +54,11 @@ def sources_of(path: Path) -> list[TextSource]:
     with _refusing(path):
         if path.is_dir():
             every = [*path.iterdir()]
-        else:
-            with open_file(path) as stream:
-                if stream.read(len(_ZIP)) != _ZIP:
-                    return [path]
+        elif path.suffix.lower() == _ZIP:
             archive = zipfile.ZipFile(path)
             every = [zipfile.Path(archive, name) for name in archive.namelist()]
+        else:
+            return [path]
         files = sorted((each for each in every if each.is_file()), key=str)
     tables = [each for each in files if each.name.lower().endswith(_TABLES) and not each.name.startswith(".")]
     if not tables:

@@ -6,7 +6,7 @@ import csv
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import islice
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -72,41 +72,35 @@ class TextTable:
             If a row has not as many cells as the header.
         """
         width = len(self.headings)
-        reader = _reader(islice(lines_of(self.source), self.skipped, None), self.separator)
-        try:
-            for cells in reader:
-                if any(cells) and not cells[0].startswith(_COMMENTS):
-                    if len(cells) < width or any(cells[width:]):
-                        told = f"has {len(cells)} cells, where the header has {width}"
-                        raise self.error(self.skipped + reader.line_num, told)
-                    yield self.skipped + reader.line_num, cells
-        except csv.Error as error:
-            raise self.error(self.skipped + reader.line_num, f"not readable as CSV: {error}") from None
+        lines = islice(lines_of(self.source), self.skipped, None)
+        for number, line in enumerate(lines, self.skipped + 1):
+            cells = _cells(line, self.separator)
+            if any(cells) and not line.startswith(_COMMENTS):
+                if len(cells) < width or any(cells[width:]):
+                    raise self.error(number, f"has {len(cells)} cells, where the header has {width}")
+                yield number, cells
 
-    def read(self, time: int, read_time: Callable[[str], int], axes: Sequence[int]) -> tuple[Integers, Integers, Array]:
-        """Numbers of lines, times by a function, ns, and what is read of some columns, shape (N, K).
+    def read(self, time: int, read_time: Callable[[str], int], axes: Sequence[int]) -> tuple[Integers, Array]:
+        """Times by a function, ns, and numbers in some columns, shape (N, K), of the rows that fill any of these.
 
         Raises
         ------
         InputError
             If a cell cannot be read.
         """
-        lines = array("q")
         times = array("q")
         values = array("d")
         for line, cells in self.rows():
+            texts = [cells[axis] for axis in axes]
+            if not any(texts):
+                continue
             try:
                 times.append(read_time(cells[time]))
-                values.extend([as_number(cells[axis]) for axis in axes])
+                values.extend(map(as_number, texts))
             except (ValueError, ArithmeticError):
-                given = listed([shown(cells[column]) for column in (time, *axes)])
+                given = listed([*map(shown, (cells[time], *texts))])
                 raise self.error(line, f"{given} is no time with {len(axes)} finite numbers") from None
-            lines.append(line)
-        return np.array(lines), np.array(times), np.array(values).reshape(-1, len(axes))
-
-
-def _reader(lines: Iterator[str], separator: str) -> Any:
-    return csv.reader((line.strip(" ") for line in lines), delimiter=separator, skipinitialspace=True)
+        return np.array(times), np.array(values).reshape(-1, len(axes))
 
 
 def read_table(source: TextSource) -> TextTable | None:
@@ -134,7 +128,8 @@ def read_table(source: TextSource) -> TextTable | None:
 
 
 def _cells(line: str, separator: str) -> list[str]:
+    """The cells of a line; of one that is none of CSV, as with a cell too long, the line."""
     try:
-        return [cell.strip() for cells in _reader(iter([line]), separator) for cell in cells]
-    except csv.Error:  # a cell is too long
-        return []
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    except csv.Error:
+        return [line]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from contextlib import suppress
-from datetime import date
 from decimal import Decimal
 from typing import Final
 
@@ -17,7 +16,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.logs.headings import TIME, UNITS, Heading, unit_key
 
 _CLOCK: Final = re.compile(
-    r"(?:(\d{4})[-/.](\d\d)[-/.](\d\d)[T, ]+)?(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d{1,9}))?(?:Z|[-+]\d\d:?\d\d)?"
+    r"(?:(\d{4}[-/.]\d\d[-/.]\d\d)[T, ]+)?(\d{1,2}:\d\d:\d\d)(?:[.,:](\d{1,9}))?(?:Z|[-+]\d\d:?\d\d)?"
 )
 """A time of day, perhaps behind a date."""
 _DAY_S: Final = 86_400
@@ -33,8 +32,6 @@ _STEPS_NS: Final = (6e5, 6e8)
 _WRAPS: Final = 2**32
 _MIN_DROP: Final = 0.8
 """Least part of its range by which a counter falls where it begins anew."""
-MISSING: Final = -(2**63)
-"""The time of an empty cell."""
 
 
 def nanoseconds(text: str, unit: int) -> int:
@@ -42,16 +39,12 @@ def nanoseconds(text: str, unit: int) -> int:
 
     Raises
     ------
-    ValueError
+    ValueError, ArithmeticError
         If it is none.
     """
-    if not abs(float(text)) * unit < 2**62:
-        raise ValueError(f"no time: {text!r}")
-    if text.isdecimal():
-        return int(text) * unit
     time = Decimal(text) * unit
-    if unit == 1 and time % 1:
-        raise ValueError(f"no whole ns: {text!r}")
+    if abs(time) >= 2**62 or (unit == 1 and time % 1):
+        raise ValueError(f"no time: {text!r}")
     return round(time)
 
 
@@ -66,22 +59,19 @@ def clock_ns(text: str) -> int:
     found = _CLOCK.fullmatch(text)
     if found is None:
         raise ValueError(f"no time: {text!r}")
-    *day, hours, minutes, seconds, fraction = found.groups()
-    days = date(*map(int, day)).toordinal() - date(1970, 1, 1).toordinal() if day[0] else 0
-    whole = days * _DAY_S + int(hours) * 3600 + int(minutes) * 60 + int(seconds)
-    return whole * NS + int((fraction or "").ljust(9, "0"))
+    day, time, fraction = found.groups("")
+    day = re.sub(r"\D", "-", day) or "1970-01-01"
+    return int(np.datetime64(f"{day}T{time:0>8}.{fraction:0<9}", "ns").astype(np.int64))
 
 
 def as_number(text: str) -> float:
-    """A number, perhaps with a decimal comma; NaN for an empty cell.
+    """A number, perhaps with a decimal comma.
 
     Raises
     ------
     ValueError
         If it is none, or is not finite.
     """
-    if not text:
-        return np.nan
     number = float(text.replace(",", "."))
     if not abs(number) < np.inf or "_" in text:
         raise ValueError(f"no number: {text!r}")
@@ -90,16 +80,15 @@ def as_number(text: str) -> float:
 
 def value_of(text: str) -> float:
     """A number, or a time of day, s; NaN for what is neither."""
-    for read, unit in ((as_number, 1.0), (clock_ns, float(NS))):
-        with suppress(ValueError):
-            return read(text) / unit
+    with suppress(ValueError):
+        return clock_ns(text) / NS if ":" in text else as_number(text)
     return np.nan
 
 
 def is_row(texts: Sequence[str]) -> bool:
     """Whether cells are those of a row: most that are filled are numbers or times of day."""
     filled = [text for text in texts if text]
-    return 2 * int(np.isfinite([value_of(text) for text in filled]).sum()) > len(filled)
+    return 2 * len(first_times(filled)) > len(filled)
 
 
 def first_times(texts: Sequence[str]) -> Array:
@@ -124,21 +113,19 @@ class Clock:
     told: str
 
     def read(self, text: str) -> int:
-        """A time, ns; `MISSING` for an empty cell.
+        """A time, ns.
 
         Raises
         ------
         ValueError, ArithmeticError
             If it is none.
         """
-        if not text:
-            return MISSING
         return nanoseconds(text.replace(",", "."), self.unit) if self.unit else clock_ns(text)
 
     def unwrapped(self, t_ns: Integers) -> tuple[Integers, str]:
         """Times, ns, that go on where a counter of 32 bits, or the clock at midnight, begins anew, and words."""
         period = _WRAPS * self.unit or _DAY_S * NS
-        drops = t_ns[:-1] - t_ns[1:]
+        drops = -np.diff(t_ns)
         anew = (drops > _MIN_DROP * period) & (drops <= period) & (self.unit != 1)
         told = f"{self.told}, which begins anew at {t_ns[1:][anew][0] / NS:.9g} s" if anew.any() else self.told
         return t_ns + period * np.append(0, np.cumsum(anew)), told
@@ -163,24 +150,20 @@ def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
     numbers = first_times(texts)
     if len(numbers) and ":" in "".join(texts):
         return Clock(0, "a time of day")
-    words = [word for word in head.words if len(word) > 1]
-    keys = [key for key in map(unit_key, (head.unit, unit, *words)) if key in UNITS[TIME]]
+    keys = [key for key in map(unit_key, (head.unit, unit, *head.words)) if key in UNITS[TIME]]
     if keys:
         named = int(UNITS[TIME][keys[0]])
         return Clock(named, f"in {_NAMES[named]}")
     steps = np.diff(numbers)
     steps = steps[steps > 0]
-    step = float(steps[steps <= np.quantile(steps, 0.99)].mean()) if len(steps) else 0.0  # in bursts most are short
-    size = float(np.median(numbers)) if len(numbers) else 0.0
-    is_fine = head.words == ("sample", "time", "fine")
-    by_size = [(each, "size") for each in _UNITS if _SINCE_1970_NS[0] <= size * each < _SINCE_1970_NS[1]]
-    by_step = [
-        (each, f"steps of {step:g}")
-        for each in (_FINE if is_fine else _UNITS)
-        if _STEPS_NS[0] <= step * each < _STEPS_NS[1]
-    ]
-    for each, what in (by_step if is_fine else by_size + by_step)[:1]:
-        return Clock(each, f"in {_NAMES[each]} by its {what}")
+    if not len(steps):
+        return None
+    step = steps[steps <= np.quantile(steps, 0.99)].mean()  # in bursts most are short
+    tests = ((np.median(numbers), _SINCE_1970_NS, "size"), (step, _STEPS_NS, f"steps of {step:g}"))
+    for value, (low, high), told in tests:
+        for each in _FINE if head.words == ("sample", "time", "fine") else _UNITS:
+            if low <= value * each < high:
+                return Clock(each, f"in {_NAMES[each]} by its {told}")
     return None
 
 
