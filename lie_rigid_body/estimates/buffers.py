@@ -11,12 +11,11 @@ import numpy as np
 from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import in_order, rising
 from lie_rigid_body.evaluation.score import BiasEstimate
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, linear
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.decoding import Frames
 from lie_rigid_body.recording.topic_messages import AttitudeTrack, vectors_of
-from lie_rigid_body.runs.readings import linear
 
 MAX_SAMPLES: Final = 20_000_000
 """Largest number of attitudes of a topic, 40 bytes each, that a live score takes: two days at 100 Hz."""

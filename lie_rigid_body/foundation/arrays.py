@@ -218,3 +218,11 @@ def runs_of(first: int, which: Booleans) -> tuple[Integers, Integers]:
     """
     edges = first + np.flatnonzero(np.diff(which, prepend=False, append=False))
     return edges[::2], edges[1::2] - 1
+
+
+def linear(stamps_ns: Integers, known_ns: Integers, values: Array) -> Array:
+    """Vectors at stamps, ns, shape (K, 3), linear between those at known ones, (N, 3), which do not fall."""
+    # as doubles hold no time of day to the nanosecond
+    since = stamps_ns - known_ns[0]
+    known = known_ns - known_ns[0]
+    return np.stack([np.interp(since, known, axis) for axis in values.T], axis=-1)

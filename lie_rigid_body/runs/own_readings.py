@@ -46,7 +46,7 @@ def _vectors(name: str, t_ns: ArrayLike, values: ArrayLike) -> Vectors:
     stamps = integer_stamps(f"t_ns of {name}", t_ns)
     if stamps.ndim != 1 or not len(stamps):
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
-    return Vectors(stamps, numbers(name, values, len(stamps), 3, whole=True), name)
+    return Vectors(stamps, numbers(name, values, len(stamps), 3, whole=True))
 
 
 def sensors_of(log: Log) -> dict[str, SensorArrays]:

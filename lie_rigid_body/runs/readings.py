@@ -189,11 +189,3 @@ def _array(
     place = order[np.minimum(np.searchsorted(messages.stamps_ns[order], t_ns), len(order) - 1)]
     told = (messages.stamps_ns[place] == t_ns)[:, np.newaxis]
     return np.where(told, values[place], np.nan)
-
-
-def linear(stamps_ns: Integers, known_ns: Integers, values: Array) -> Array:
-    """Vectors at stamps, ns, shape (K, 3), linear between those at known ones, (N, 3), which do not fall."""
-    # as doubles hold no time of day to the nanosecond
-    since = stamps_ns - known_ns[0]
-    known = known_ns - known_ns[0]
-    return np.stack([np.interp(since, known, axis) for axis in values.T], axis=-1)

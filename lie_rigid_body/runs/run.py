@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantit
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.evaluation.scoring import ScoreOptions, ScoresEstimates, SensorLimits, score_estimate
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers, linear
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.showing import Shown, data_frame
 from lie_rigid_body.foundation.wording import call_repr, shown
@@ -36,7 +36,7 @@ from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag, write_log
 from lie_rigid_body.runs.blind_scenario import BlindScenario
 from lie_rigid_body.runs.bound import MAX_BOUNDED, THINNED, bound_of_readings, cramer_rao_bound_of, sensor_limits
 from lie_rigid_body.runs.own_readings import GivenTruth, declared_sensors, log_of_arrays, sensors_of, truth_of
-from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
+from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers, linear
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown
@@ -41,8 +41,6 @@ class Vectors:
     t_ns : ndarray of int64, shape (N,)
         Stamps as they stand: perhaps repeated, or falling.
     values : ndarray, shape (N, 3)
-    source : str
-        Topic, or columns.
     arrival_ns : ndarray of int64, shape (N,), or None
         Log times of a bag, ns.
     variance : ndarray, shape (N, 3), or None
@@ -51,16 +49,13 @@ class Vectors:
 
     t_ns: Integers
     values: Array
-    source: str = ""
     arrival_ns: Integers | None = None
     variance: Array | None = None
 
     def at(self, t_ns: Integers) -> Array:
         """Readings at other stamps, shape (K, 3), linear between their own in the order of time."""
         order = np.argsort(self.t_ns, kind="stable")
-        first = self.t_ns[order[0]]
-        since = self.t_ns[order] - first
-        return np.column_stack([np.interp(t_ns - first, since, axis) for axis in self.values[order].T])
+        return linear(t_ns, self.t_ns[order], self.values[order])
 
 
 def read_bag(path: Path, imu: str | None, magnetometer: str | None) -> tuple[dict[str, Vectors], list[str]]:
@@ -119,4 +114,4 @@ def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple
         if len(bad := np.flatnonzero(~np.isfinite(values).all(axis=1))):
             told = f"message {bad[0] + 1} on {track.topic} has a {field} that is not finite, of {len(bad)} such"
             raise InputError(f"{path}: {told}: leave them out")
-        yield sensor, Vectors(t_ns, values, f"{track.topic} {field}", logged_ns, variance if variance.any() else None)
+        yield sensor, Vectors(t_ns, values, logged_ns, variance if variance.any() else None)

@@ -88,10 +88,10 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
     InputError
         If there is no gyro or no time, or a row is at fault.
     """
-    tables = [table for source in sources_of(path) if (table := read_table(source)) is not None]
+    tables = [*filter(None, map(read_table, sources_of(path)))]
     if not tables:
-        lines = (line for source in sources_of(path) for line in lines_of(source) if line.strip())
-        begins = next((f"begins {shown(line)}" for line in lines), "is empty")
+        lines = (f"begins {shown(line)}" for source in sources_of(path) for line in lines_of(source) if line)
+        begins = next(lines, "is empty")
         raise InputError(f"{path} has no row of numbers, it {begins}: give a CSV of readings, or a bag")
     _name_columns(tables, columns)
     triples = [triple for table in tables for triple in _triples(table)]
@@ -103,20 +103,24 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
         there = "; ".join(table.columns for table in tables[:3])
         raise InputError(f"{path} has no gyro, but {there}: name its columns, such as t=1, gyro_x=2:deg/s")
     lacks = ACCELEROMETER in found and found[ACCELEROMETER][0].without_gravity
-    chosen = {sensor: alike[0] for sensor, alike in found.items() if sensor != GRAVITY or lacks}
-    read_one = {sensor: _read(triple) for sensor, triple in chosen.items()}
-    read = {sensor: vectors for sensor, (vectors, _) in read_one.items()}
-    taken = [*dict.fromkeys(told for _, sentences in read_one.values() for told in sentences)]
-    for sensor in chosen:
-        if others := listed([each.name for each in found[sensor][1:]]):
-            taken.append(f"The {sensor} is not {others}: name its columns to choose another.")
+    gravity = found.pop(GRAVITY, [])
+    read = dict[str, Vectors]()
+    taken = list[str]()
+    for sensor, (triple, *others) in found.items():
+        read[sensor], told = _read(triple)
+        taken += told
+        if others:
+            names = listed([each.name for each in others])
+            taken.append(f"The {sensor} is not {names}: name its columns to choose another.")
     if lacks:
-        added = ", which is added" if GRAVITY in read else ""
-        taken.append(f"{chosen[ACCELEROMETER].name} is without gravity{added}.")
-    if (gravity := read.pop(GRAVITY, None)) is not None:
         force = read[ACCELEROMETER]
-        read[ACCELEROMETER] = replace(force, values=force.values + gravity.at(force.t_ns))
-    return read, taken
+        for triple in gravity[:1]:
+            vertical, told = _read(triple)
+            taken += told
+            read[ACCELEROMETER] = replace(force, values=force.values + vertical.at(force.t_ns))
+        added = ", which is added" if gravity else ""
+        taken.append(f"{found[ACCELEROMETER][0].name} is without gravity{added}.")
+    return read, [*dict.fromkeys(taken)]
 
 
 def _name_columns(tables: list[TextTable], columns: Mapping[str, str | int]) -> None:
@@ -184,7 +188,7 @@ def _read(triple: Triple) -> tuple[Vectors, list[str]]:
         f"The {triple.sensor} is {triple.name}, {of_unit}.",
         f"The time is {head.text} of {table.source.name}, {of_time}.",
     ]
-    return Vectors(t_ns, factor * values, triple.name), sentences
+    return Vectors(t_ns, factor * values), sentences
 
 
 def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> int:

@@ -47,8 +47,7 @@ class Log:
     @property
     def sensors(self) -> dict[str, Vectors]:
         """The sensors that there are, by their names."""
-        found = {name: getattr(self, name) for name in SENSORS}
-        return {name: vectors for name, vectors in found.items() if vectors is not None}
+        return {name: vectors for name in SENSORS if (vectors := getattr(self, name)) is not None}
 
 
 def read_log(
@@ -89,8 +88,8 @@ def read_log(
     else:
         if imu or magnetometer:
             raise InputError(f"{file} is no bag, and has no topics: name its columns by columns")
-        found, taken = read_tables(file, {} if columns is None else columns)
-    log = Log(f"{file}", found[GYRO], found.get(ACCELEROMETER), found.get(MAGNETOMETER), tuple(taken))
+        found, taken = read_tables(file, columns or {})
+    log = Log(f"{file}", taken=tuple(taken), **found)
     times = {name: vectors.t_ns for name, vectors in log.sensors.items()}
     require_overlap(log.name, times, "record them together")
     return log
