@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Final
 
@@ -46,29 +45,6 @@ _FIELDS: Final = {
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
     "std_msgs/String": "string data\n",
 }
-_PARTS: Final = {
-    POSE_STAMPED: (
-        "std_msgs/Header",
-        "builtin_interfaces/Time",
-        "geometry_msgs/Pose",
-        "geometry_msgs/Point",
-        "geometry_msgs/Quaternion",
-    ),
-    TWIST_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Twist", "geometry_msgs/Vector3"),
-    BARE_TWIST: ("geometry_msgs/Vector3",),
-    STRING: (),
-    IMU: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Quaternion", "geometry_msgs/Vector3"),
-    MAGNETIC_FIELD: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
-    POSE_WITH_COVARIANCE_STAMPED: (
-        "std_msgs/Header",
-        "builtin_interfaces/Time",
-        "geometry_msgs/PoseWithCovariance",
-        "geometry_msgs/Pose",
-        "geometry_msgs/Point",
-        "geometry_msgs/Quaternion",
-    ),
-    VECTOR3_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
-}
 _NUMBER: Final = "float64"
 """Type of the numbers of messages, perhaps with a length in brackets behind it."""
 
@@ -85,21 +61,24 @@ def definition(message_type: str) -> str:
     -------
     str
     """
-    own = _FIELDS[message_type.replace("/msg/", "/")]
-    return own + "".join(f"{'=' * 80}\nMSG: {part}\n{_FIELDS[part]}" for part in _PARTS[message_type])
+    name = message_type.replace("/msg/", "/")
+    return _FIELDS[name] + "".join(f"{'=' * 80}\nMSG: {part}\n{_FIELDS[part]}" for part in _parts(name))
 
 
-@lru_cache(maxsize=64)
-def _fields(text: str, message_type: str) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Each type of a definition with types and names of its fields; types with packages."""
-    found = []
-    for part in re.split("^=+$", text, flags=re.MULTILINE):
-        lines = [line.split() for line in part.splitlines()]
-        name = next((line[1] for line in lines if line[:1] == ["MSG:"] and len(line) > 1), message_type)
-        package = name.partition("/")[0]
-        fields = [line for line in lines if len(line) > 1 and line[0] != "MSG:"]
-        found.append((_full(name, package), [(_full(line[0], package), line[1]) for line in fields]))
+def _parts(name: str) -> dict[str, None]:
+    """Names of the types that a type is made of, each once and before its own parts."""
+    found = dict[str, None]()
+    for kind, _ in _fields(name):
+        if kind in _FIELDS:
+            found |= {kind: None, **_parts(kind)}
     return found
+
+
+def _fields(name: str) -> Iterator[tuple[str, str]]:
+    """Types, with their packages but for numbers and texts, and names of the fields of a type."""
+    for line in _FIELDS.get(name, "").splitlines():
+        kind, field, *_ = line.split()
+        yield f"{name.partition('/')[0]}/{kind}" if kind[0].isupper() else kind, field
 
 
 @lru_cache(maxsize=64)
@@ -116,25 +95,19 @@ def places(message_type: str) -> Mapping[str, range]:
     mapping of str to range
         The empty name has all places.
     """
-    found: dict[str, range] = {}
-    types = dict(_fields(definition(message_type), message_type))
+    found = dict[str, range]()
 
     def add(kind: str, name: str, first: int) -> int:
         end = first
         if kind.startswith(_NUMBER):
             end += int(kind.removeprefix(_NUMBER).strip("[]") or 1)
-        for part, field in types.get(kind, ()):
+        for part, field in _fields(kind):
             end = add(part, f"{name}.{field}".lstrip("."), end)
         found[name] = range(first, end)
         return end
 
-    add(_full(message_type, ""), "", 0)
+    add(message_type.replace("/msg/", "/"), "", 0)
     return found
-
-
-def _full(kind: str, package: str) -> str:
-    """Name of a type with its package, which is that of the type that it is part of if it has none; or of numbers."""
-    return kind.replace("/msg/", "/") if "/" in kind or kind[:1].islower() else f"{package}/{kind}"
 
 
 def offered_qos_profiles(*, latched: bool, depth: int) -> str:
