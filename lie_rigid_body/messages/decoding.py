@@ -7,9 +7,9 @@ fields.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -19,7 +19,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers, items
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.parameters import NS, Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
+from lie_rigid_body.messages.layout import FRAME_OFFSET, numbers_after
 
 Bytes: TypeAlias = NDArray[np.uint8]
 """Rows of bytes, one payload in each, shape (N, size)."""
@@ -151,10 +151,14 @@ def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic
 def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:
     sec = _column(rows, 4, 4, f"{order}i4")[:, 0].astype(np.int64)
     nanosec = _column(rows, 8, 4, f"{order}u4")[:, 0].astype(np.int64)
-    if (nanosec >= NS).any():
-        worst = int(np.argmax(nanosec >= NS))
-        raise BagError(f"message {indices[worst]} has a stamp of {nanosec[worst]} nanosec, not below 1e9")
+    worst = int(np.argmax(nanosec >= NS))
+    _require_nanosec(int(nanosec[worst]), int(indices[worst]))
     return sec * NS + nanosec
+
+
+def _require_nanosec(nanosec: int, index: int) -> None:
+    if nanosec >= NS:
+        raise BagError(f"message {index} has a stamp of {nanosec} nanosec, not below 1e9")
 
 
 def decode_string(payload: bytes, index: int = 0) -> str:
@@ -224,70 +228,39 @@ class FramedNumbers:
     numbers: list[Vector] = field(default_factory=list)
 
 
-def _decoded(payloads: Sequence[bytes], numbers: int, *, counted: bool = False) -> dict[Frames, FramedNumbers]:
+def decode_framed(payloads: Iterable[bytes], numbers: int, *, counted: bool) -> dict[Frames, FramedNumbers]:
     """Read messages of a header, a child frame and so many numbers, or of a counted number of such parts.
+
+    They are nav_msgs/Odometry and geometry_msgs/TransformStamped; or tf2_msgs/TFMessage.
 
     Raises
     ------
     BagError
         Naming the first message that is not such a payload.
     """
-    found: dict[Frames, FramedNumbers] = {}
+    found = defaultdict[Frames, FramedNumbers](FramedNumbers)
     for index, payload in enumerate(payloads):
-        fields = _Fields(payload, index)
-        for _ in range(fields.word() if counted else 1):
-            fields.read(found, numbers)
-        fields.end()
+        order = byte_order(payload, index)
+        at = 8 if counted else 4
+        for _ in range(_word(payload, 4, order, index) if counted else 1):
+            frame, child_at = _framed_text(payload, at + 8, order, index)
+            child, end = _framed_text(payload, child_at, order, index)
+            of_frames = found[frame, child]
+            sec, nanosec = struct.unpack_from(f"{order}iI", payload, at)
+            _require_nanosec(nanosec, index)
+            of_frames.stamps_ns.append(sec * NS + nanosec)
+            of_frames.messages.append(index)
+            begin = numbers_after(end)
+            at = begin + 8 * numbers
+            if at > len(payload):
+                raise BagError(f"message {index} ends after {len(payload)} bytes, before its fields")
+            of_frames.numbers.append(struct.unpack_from(f"{order}{numbers}d", payload, begin))
+        _require_size(payload, at, index)
     return found
 
 
-# pose and its covariance, twist and its covariance
-decode_odometry: Final = partial(_decoded, numbers=POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
-"""A function that reads nav_msgs/Odometry, by frame and child frame."""
-decode_transform: Final = partial(_decoded, numbers=POSE_NUMBERS)
-"""A function that reads geometry_msgs/TransformStamped, by frame and child frame."""
-decode_transforms: Final = partial(_decoded, numbers=POSE_NUMBERS, counted=True)
-"""A function that reads tf2_msgs/TFMessage, by frame and child frame."""
-
-
-class _Fields:
-    """The fields of one payload, read in order."""
-
-    def __init__(self, payload: bytes, index: int) -> None:
-        self._payload = payload
-        self._index = index
-        self._at = 4
-        self._order = byte_order(payload, index)
-
-    def read(self, found: dict[Frames, FramedNumbers], count: int) -> None:
-        """Read a header, a child frame and so many numbers."""
-        sec = self.word("i")
-        nanosec = self.word()
-        if nanosec >= NS:
-            raise BagError(f"message {self._index} has a stamp of {nanosec} nanosec, not below 1e9")
-        frames = (self._text(), self._text())
-        of_frames = found.setdefault(frames, FramedNumbers())
-        of_frames.stamps_ns.append(sec * NS + nanosec)
-        of_frames.messages.append(self._index)
-        self._at = numbers_after(self._at)
-        of_frames.numbers.append(self._unpack(f"{count}d"))
-
-    def word(self, kind: str = "I") -> int:
-        self._at = -(-self._at // 4) * 4
-        return int(self._unpack(kind)[0])
-
-    def _text(self) -> str:
-        return text_of(self._unpack(f"{self.word()}s")[0], self._index)
-
-    def _unpack(self, what: str) -> tuple:  # type: ignore[type-arg]
-        try:
-            values = struct.unpack_from(f"{self._order}{what}", self._payload, self._at)
-        except struct.error:
-            raise BagError(f"message {self._index} ends after {len(self._payload)} bytes, before its fields") from None
-        self._at += struct.calcsize(f"{self._order}{what}")
-        return values
-
-    def end(self) -> None:
-        """Refuse bytes beyond the last field."""
-        if len(self._payload) >= self._at + _SPARE:
-            raise BagError(f"message {self._index} has {len(self._payload)} bytes where its fields end at {self._at}")
+def _framed_text(payload: bytes, at: int, order: str, index: int) -> tuple[str, int]:
+    """A text whose length stands at a byte, or behind the padding there, and the byte where it ends."""
+    begin = -(-at // 4) * 4 + 4
+    end = begin + _word(payload, begin - 4, order, index)
+    return text_of(payload[begin:end], index), end

@@ -78,11 +78,9 @@ class BagWriter:
     wait_for_disk : bool, optional
         Whether writing waits for a disk that does not keep up. Otherwise it never waits, and the bag is given up once
         32 MiB are in the queue.
-    pose_topic, twist_topic, scenario_topic : str, optional
-        Full names of the topics.
-    sensor_topics : mapping of str to str, optional
-        Full names of the sensors' topics by their relative names; ``/`` goes before them by default. A sensor's topic
-        is in the bag from its first message on.
+    topics : mapping of str to str, optional
+        Full names of topics by their relative names; ``/`` goes before them by default, and ``/lie_rigid_body`` takes
+        the place of ``~``. A sensor's topic is in the bag from its first message on.
     others : mapping of str to str, optional
         Message types of further topics by their full names, as of estimates.
     library : str, optional
@@ -112,10 +110,7 @@ class BagWriter:
         compression: str = "zstd",
         chunk_size: int = CHUNK_BYTES,
         wait_for_disk: bool = True,
-        pose_topic: str = POSE_TOPIC,
-        twist_topic: str = TWIST_TOPIC,
-        scenario_topic: str = SCENARIO_TOPIC,
-        sensor_topics: Mapping[str, str] | None = None,
+        topics: Mapping[str, str] | None = None,
         others: Mapping[str, str] | None = None,
         library: str = LIBRARY,
         end: str | None = METADATA,
@@ -126,11 +121,10 @@ class BagWriter:
         self._compression = compression
         self._rescued = rescued
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.BARE_TWIST
-        named = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **(sensor_topics or {})}
-        named |= {topic: topic for topic in others or {}}
         truth = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING}
         self._types = {**truth, **SENSOR_TOPICS, **(others or {})}
-        self._names = {topic: named.get(topic, f"/{topic.replace('~', SOFTWARE)}") for topic in self._types}
+        usual = {topic: f"/{topic.replace('~', SOFTWARE).lstrip('/')}" for topic in self._types}
+        self._names = {topic: (topics or {}).get(topic, name) for topic, name in usual.items()}
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
         self._gathered = Gathering()

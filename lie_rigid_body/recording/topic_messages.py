@@ -22,7 +22,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.stamped import Stamped
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
-from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transform, decode_transforms
+from lie_rigid_body.messages.decoding import Frames, decode_framed
 from lie_rigid_body.messages.definitions import (
     BARE_TWIST,
     IMU,
@@ -41,11 +41,8 @@ from lie_rigid_body.sensors import SENSORS, Field, Topic
 
 TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, BARE_TWIST)
 """Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""
-_FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
-    ODOMETRY: decode_odometry,
-    TRANSFORM_STAMPED: decode_transform,
-    TF_MESSAGE: decode_transforms,
-}
+_FRAMED: Final = (ODOMETRY, TRANSFORM_STAMPED, TF_MESSAGE)
+"""Types of messages with two frames."""
 _LAYOUTS: Final[dict[str, tuple[int, int, slice | None]]] = {
     POSE_STAMPED: (7, 3, None),
     POSE_WITH_COVARIANCE_STAMPED: (43, 3, slice(7, 43)),
@@ -335,8 +332,10 @@ def vectors_of(message_type: str, payloads: Sequence[bytes]) -> tuple[Integers, 
 
 def attitudes_in(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:
     """The attitudes in messages of a topic as they were read, by frame and child frame."""
+    count, _, covariance = _LAYOUTS[message_type]
     if message_type in _FRAMED:
-        framed = _FRAMED[message_type]([payload for _, payload in found.payloads()])
+        payloads = (payload for _, payload in found.payloads())
+        framed = decode_framed(payloads, count, counted=message_type == TF_MESSAGE)
         return {
             frames: _track(
                 topic,
@@ -348,7 +347,6 @@ def attitudes_in(topic: str, message_type: str, found: RawMessages) -> dict[Fram
             )
             for frames, own in framed.items()
         }
-    count, _, covariance = _LAYOUTS[message_type]
     read = _columns(found, count)
     tracks = dict[Frames, AttitudeTrack]()
     assert read.stamps_ns is not None

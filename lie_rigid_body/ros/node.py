@@ -232,10 +232,7 @@ def _recording(node: SimulatorNode, values: Mapping[str, Any]) -> Iterator[Recor
             path,
             stamped_twist=node.parameters.scenario().stamped_twist,
             wait_for_disk=not values["real_time_factor"],
-            pose_topic=node.names[POSE],
-            twist_topic=node.names[TWIST],
-            scenario_topic=node.names[PRIVATE_SCENARIO],
-            sensor_topics={topic: node.names[topic] for topic in SENSOR_TOPICS},
+            topics=node.names,
         )
     except BagError as error:
         kept = f"{path} exists and is kept: give another name, or move it away"

@@ -18,14 +18,12 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import exact_duration
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.runs.blind_scenario import BlindScenario, refuse
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
-from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation, motions_of
 from lie_rigid_body.simulation.loop import LastCall
 
@@ -33,8 +31,8 @@ DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
 """Memory that one call may take by default, bytes (4 GiB)."""
 _TRUTH_BYTES: Final = 300
 """Largest memory for a sample of the truth while it is computed, bytes."""
-_NUMBER_BYTES: Final = 44
-"""Largest memory for one number of a sensor's reading while it is computed, bytes."""
+_READING_BYTES: Final = 700
+"""Largest memory for a reading of a sensor, of 16 numbers, while it is computed, bytes."""
 _KEPT_BYTES: Final = 160
 """Memory for each reading that a run keeps, bytes."""
 _RUN_BYTES: Final = 2**16
@@ -177,15 +175,10 @@ def _chosen(seeds: Iterable[int], most: int) -> list[int]:
 def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_limit: int) -> None:
     """Refuse runs that would take more memory than is allowed, before any is computed."""
     truth = SampleClock(0, scenario.rate).count_before(duration)
-    readings = {name: SampleClock(0, model.rate).count_before(duration) for name, model in scenario.sensors.on.items()}
-    numbers = {
-        name: sum(len(numbers_of(topic, field)) for topic in SENSORS[name].topics for field in topic.fields)
-        for name in readings
-    }
-    largest = max((max(_TRUTH_BYTES, _NUMBER_BYTES * numbers[name]) * readings[name] for name in readings), default=0)
-    kept = (runs + 1) * _KEPT_BYTES * sum(readings.values()) + runs * _RUN_BYTES
-    samples = truth + runs * sum(readings.values())
-    least = truth * _TRUTH_BYTES + largest + kept
+    readings = [SampleClock(0, model.rate).count_before(duration) for model in scenario.sensors.on.values()]
+    kept = (runs + 1) * _KEPT_BYTES * sum(readings) + runs * _RUN_BYTES
+    samples = truth + runs * sum(readings)
+    least = truth * _TRUTH_BYTES + max(readings, default=0) * _READING_BYTES + kept
     if type(plain(memory_limit)) is not int:
         raise InputError(f"memory_limit {shown(memory_limit)} is not a number of bytes: give an integer")
     if memory_limit < least:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import struct
+from functools import partial
 
 import numpy as np
 import pytest
 from estimate_messages import STORE, messages
 
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.messages.decoding import decode_odometry, decode_transforms
+from lie_rigid_body.messages.decoding import decode_framed
 from lie_rigid_body.messages.definitions import ODOMETRY, TF_MESSAGE
 from said import numbers
 
 NS = 10**9
-DECODERS = {ODOMETRY: (decode_odometry, 4), TF_MESSAGE: (decode_transforms, 8)}
+DECODERS = {
+    ODOMETRY: (partial(decode_framed, numbers=85, counted=False), 4),
+    TF_MESSAGE: (partial(decode_framed, numbers=7, counted=True), 8),
+}
 """What decodes a type, and the place of the first stamp."""
 ATTITUDE = np.array([0.1, -0.7, 0.1, 0.7])
 

@@ -177,10 +177,7 @@ def test_a_scenario_names_the_topics_of_its_body(make_bag: MakeBag, tmp_path: Pa
     with BagWriter(
         path,
         stamped_twist=True,
-        pose_topic="/truth/attitude",
-        twist_topic="/rates",
-        scenario_topic="/sim/scenario",
-        sensor_topics={"imu/data_raw": "/strapdown"},
+        topics={**topics, "~/scenario": "/sim/scenario"},
         others={"/other/pose": POSE, "/other/imu": IMU},
     ) as bag:
         bag.begin_segment(simulation.segment)

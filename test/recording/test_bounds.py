@@ -24,7 +24,7 @@ from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.league.table import rows_of
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.decoding import decode_odometry, decode_string, decode_transforms
+from lie_rigid_body.messages.decoding import decode_framed, decode_string
 from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import LIBRARY
@@ -122,10 +122,10 @@ HEADER = b"\0\1\0\0" + bytes(8)
 STRINGS: dict[str, tuple[Callable[[bytes], object], bytes]] = {
     "frame of a pose": (lambda data: decode([data], 7, stamped=True), HEADER),
     "text": (lambda data: decode_string(data), b"\0\1\0\0"),
-    "frame of an odometry": (lambda data: decode_odometry([data]), HEADER),
-    "child frame": (lambda data: decode_odometry([data]), HEADER + sized(b"w\0") + bytes(2)),
-    "transforms": (lambda data: decode_transforms([data]), b"\0\1\0\0"),
-    "frame of a transform": (lambda data: decode_transforms([data]), b"\0\1\0\0\1\0\0\0" + bytes(8)),
+    "frame of an odometry": (lambda data: decode_framed([data], 85, counted=False), HEADER),
+    "child frame": (lambda data: decode_framed([data], 85, counted=False), HEADER + sized(b"w\0") + bytes(2)),
+    "transforms": (lambda data: decode_framed([data], 7, counted=True), b"\0\1\0\0"),
+    "frame of a transform": (lambda data: decode_framed([data], 7, counted=True), b"\0\1\0\0\1\0\0\0" + bytes(8)),
 }
 
 
