@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,7 @@ from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import IMU, MAGNETIC_FIELD, STRING, TF_MESSAGE, TWIST_STAMPED, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic
+from lie_rigid_body.recording.mcap_contents import McapContents, Progress, RawTopic, TopicNames, unheard
 from lie_rigid_body.recording.poses import is_bag, stamped_poses
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_discovery import SCENARIO, given_track, told_topics
@@ -122,8 +122,8 @@ def recorded_estimate(
     bag: str | Path,
     topic: str,
     truth_bag: str | Path | None = None,
-    topics: Mapping[str, str] = NO_TOPICS,
-    progress: Callable[[int], object] = lambda count: None,
+    topics: TopicNames = NO_TOPICS,
+    progress: Progress = unheard,
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
 
@@ -182,8 +182,8 @@ def _of_files(
     path: Path,
     estimate: str,
     truth_bag: str | Path | None,
-    topics: Mapping[str, str],
-    progress: Callable[[int], object],
+    topics: TopicNames,
+    progress: Progress,
 ) -> RecordedEstimate:
     """An estimate in a trajectory, beside the truth of another one, or of a bag."""
     if not Path(estimate).is_file():
@@ -192,9 +192,7 @@ def _of_files(
     return _beside(motion, last_ns, _trajectory(Path(estimate)))
 
 
-def _motion_of(
-    path: Path, topics: Mapping[str, str], progress: Callable[[int], object], near: str = ""
-) -> tuple[TrueMotion, int | None]:
+def _motion_of(path: Path, topics: TopicNames, progress: Progress, near: str = "") -> tuple[TrueMotion, int | None]:
     """The truth of a bag or a trajectory alone, and the last stamp of a node's messages in it, ns."""
     if not is_bag(path):
         return TrueMotion((), _trajectory(path)), None
@@ -267,9 +265,7 @@ def _is_kept(topics: Collection[str], name: str, kind: str) -> bool:
     return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS_SUFFIX) and name.removesuffix(BIAS_SUFFIX) in topics)
 
 
-def _true_motion(
-    path: Path, contents: McapContents, estimate_topic: str, topics: Mapping[str, str], near: str
-) -> TrueMotion:
+def _true_motion(path: Path, contents: McapContents, estimate_topic: str, topics: TopicNames, near: str) -> TrueMotion:
     """The truth in a bag, in which the topic of the estimate is not the truth, whatever its name.
 
     Of several bodies it is that in the namespace of a topic that is given, or else of the topic `near`.

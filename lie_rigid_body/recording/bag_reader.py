@@ -21,6 +21,7 @@ from lie_rigid_body.recording.mcap_contents import (
     RawMessages,
     RawTopic,
     TopicKey,
+    TopicNames,
     nothing,
     of_types,
     unheard,
@@ -31,6 +32,7 @@ from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, 
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
     AttitudeTrack,
+    LoggedText,
     OfSensor,
     TakeReadings,
     TopicMessages,
@@ -48,7 +50,7 @@ _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
 _RECORDER: Final = "libmcap "
 """Beginning of the library name in a file by `ros2 bag record`."""
-NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
+NO_TOPICS: Final[TopicNames] = MappingProxyType({})
 """Names for a bag whose topics have their usual ones."""
 
 
@@ -83,7 +85,7 @@ class BagFacts:
     twist_topic: str
     stamped: bool
     library: str
-    scenario_texts: list[tuple[int, str]]
+    scenario_texts: list[LoggedText]
     expected_samples: int | None = None
     publish_time_mismatches: int = 0
     others: tuple[str, ...] = ()
@@ -177,7 +179,7 @@ class Bag(BagFacts):
         self,
         path: str | Path,
         progress: Progress = unheard,
-        topics: Mapping[str, str] = NO_TOPICS,
+        topics: TopicNames = NO_TOPICS,
         *,
         in_memory: bool = False,
     ) -> None:
@@ -187,7 +189,7 @@ class Bag(BagFacts):
 
     @classmethod
     def all_of(
-        cls, path: str | Path, progress: Progress = unheard, topics: Mapping[str, str] = NO_TOPICS
+        cls, path: str | Path, progress: Progress = unheard, topics: TopicNames = NO_TOPICS
     ) -> dict[str, Bag | BagError]:
         """A bag for each body of a file or folder, which is read once to find them, by their names.
 
@@ -297,7 +299,7 @@ class Bag(BagFacts):
                         parts = attitudes_in(track.topic, TF_MESSAGE, found[track.key])
                     yield from parts.values()
 
-    def _faults(self) -> Iterator[tuple[int, str]]:
+    def _faults(self) -> Iterator[LoggedText]:
         """Log time, ns, and text of each message about faults, as they are read."""
         return texts_on(self._path, self._contents, self._tracks[FAULTS_TOPIC])
 
@@ -335,12 +337,12 @@ def read_bag(path: str | Path) -> Recording:
     return Bag(path, in_memory=True).load()
 
 
-def read_scenarios(path: Path, contents: McapContents, track: RawTopic) -> list[tuple[int, str]]:
+def read_scenarios(path: Path, contents: McapContents, track: RawTopic) -> list[LoggedText]:
     """Log time, ns, and text of each message of a scenario topic, up to the first that is no scenario.
 
     A topic of other texts may be without end.
     """
-    kept = list[tuple[int, str]]()
+    kept = list[LoggedText]()
     distinct = dict[str, str]()
     for time, text in texts_on(path, contents, track):
         is_new = text not in distinct

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -28,6 +28,7 @@ from lie_rigid_body.messages.batch import (
     Messages,
     sensor_topics,
 )
+from lie_rigid_body.recording.mcap_contents import TopicNames
 from lie_rigid_body.recording.mcap_writer import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
 from lie_rigid_body.recording.records import METADATA, RESCUE
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
@@ -110,8 +111,8 @@ class BagWriter:
         compression: str = "zstd",
         chunk_size: int = CHUNK_BYTES,
         wait_for_disk: bool = True,
-        topics: Mapping[str, str] | None = None,
-        others: Mapping[str, str] | None = None,
+        topics: TopicNames | None = None,
+        others: TopicNames | None = None,
         library: str = LIBRARY,
         end: str | None = METADATA,
         rescued: bool = True,
@@ -291,7 +292,7 @@ class BagWriter:
             self._abandon()  # a run that failed, or that had not begun, does not replace a bag that is whole
 
 
-def renamed_topics(text: str, topics: Mapping[str, str]) -> str:
+def renamed_topics(text: str, topics: TopicNames) -> str:
     """The text of a scenario message with other names of its topics, where it names them."""
     content = json.loads(text)
     return text if "topics" not in content else json.dumps({**content, "topics": topics})

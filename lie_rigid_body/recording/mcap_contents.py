@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
@@ -14,6 +14,8 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 _NONE: Final = np.empty(0, dtype=np.int64)
 TopicKey: TypeAlias = tuple[str, str]
 """Topic and message type."""
+TopicNames: TypeAlias = Mapping[str, str]
+"""Full names of topics by their relative names."""
 TopicFilter: TypeAlias = Callable[[str, str], bool]
 """Whether the messages of a topic, by its name and message type, are kept when a bag is read first."""
 Progress: TypeAlias = Callable[[int], object]

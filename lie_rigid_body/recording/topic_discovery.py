@@ -18,14 +18,16 @@ from lie_rigid_body.foundation.wording import listed, shortened, shown, suggesti
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import whole_of
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic, TopicKey
-from lie_rigid_body.recording.topic_messages import texts
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic, TopicKey, TopicNames
+from lie_rigid_body.recording.topic_messages import LoggedText, texts
 
 SCENARIO: Final = "scenario"
 BODY_TOPICS: Final = (POSE, TWIST, SCENARIO)
 """Relative names of the topics that every body has."""
 Tracks: TypeAlias = dict[str, RawTopic]
 """Topics of a body by their relative names."""
+_Declared: TypeAlias = tuple[Tracks, TopicNames, BagError | None]
+"""Topics of a body, those that its scenario names, and what is wrong."""
 _MAX_LIST: Final = 60
 """Characters of the topics that there are, in an error line that has to say more."""
 
@@ -56,7 +58,7 @@ class Body:
     fault: BagError | None = None
 
 
-def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> list[Body]:
+def bodies(path: Path, contents: McapContents, topics: TopicNames) -> list[Body]:
     """The bodies of a bag: one for each scenario topic with a pose and a twist.
 
     Parameters
@@ -84,7 +86,7 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     return [_body(path, contents, *each, given, alone=len(found) == 1) for each in found]
 
 
-def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> Body:
+def the_body(path: Path, contents: McapContents, topics: TopicNames) -> Body:
     """The body of a bag that has one. See `bodies`."""
     found = bodies(path, contents, topics)
     if len(found) > 1:
@@ -95,18 +97,18 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> B
     return found[0]
 
 
-def texts_on(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[int, str]]:
+def texts_on(path: Path, contents: McapContents, track: RawTopic) -> Iterator[LoggedText]:
     """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
     return texts(path, track.topic, (part[track.key] for part in contents.read([track.key]) if track.key in part))
 
 
-def told_topics(path: Path, contents: McapContents, tracks: Iterable[RawTopic]) -> dict[TopicKey, Mapping[str, str]]:
+def told_topics(path: Path, contents: McapContents, tracks: Iterable[RawTopic]) -> dict[TopicKey, TopicNames]:
     """Topics that scenarios name, by the tracks of these; of texts whose first message is none there is no entry.
 
     They are found in one pass: there may be ten thousands. A damaged one is a scenario, and names none.
     """
     waiting = {track.key: track for track in tracks if track.count}
-    found = dict[TopicKey, Mapping[str, str]]()
+    found = dict[TopicKey, TopicNames]()
     for part in contents.read(waiting.keys()) if waiting else ():  # which are fewer from part to part
         for key in part.keys() & waiting.keys():
             track = waiting.pop(key)
@@ -129,15 +131,13 @@ def _topics_in(text: str) -> dict[str, str]:
         return {}
 
 
-def _declared(
-    path: Path, contents: McapContents, given: Tracks
-) -> list[tuple[Tracks, Mapping[str, str], BagError | None]]:
+def _declared(path: Path, contents: McapContents, given: Tracks) -> list[_Declared]:
     """The tracks of each body, what its scenario names, and what is wrong, in the order of their namespaces.
 
     Where some are whole, those of which pose or twist is missing stand beside them.
     """
-    whole = dict[str, tuple[Tracks, Mapping[str, str], BagError | None]]()
-    lacking = dict[str, tuple[Tracks, Mapping[str, str], BagError | None]]()
+    whole = dict[str, _Declared]()
+    lacking = dict[str, _Declared]()
     scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
     scenarios = [given[SCENARIO]] if SCENARIO in given else scenarios
     told = told_topics(path, contents, scenarios)
@@ -160,7 +160,7 @@ def _declared(
     return [every[space] for space in sorted(every)]
 
 
-def _truth(contents: McapContents, scenario: RawTopic, names: Mapping[str, str]) -> tuple[str, Tracks]:
+def _truth(contents: McapContents, scenario: RawTopic, names: TopicNames) -> tuple[str, Tracks]:
     """Namespace, pose and twist of a scenario, as far as they are there: those that it names, or the nearest above."""
     own = _tracks(contents, {name: names.get(name, "") for name in (POSE, TWIST)})
     if len(own) == 2:
@@ -173,7 +173,7 @@ def _truth(contents: McapContents, scenario: RawTopic, names: Mapping[str, str])
     return "", {}
 
 
-def _tracks(contents: McapContents, topics: Mapping[str, str]) -> Tracks:
+def _tracks(contents: McapContents, topics: TopicNames) -> Tracks:
     """Tracks of the topics, by their relative names, that are there."""
     return {name: track for name, topic in topics.items() if (track := _track(contents, topic_types()[name], topic))}
 
@@ -218,7 +218,7 @@ def _several(path: Path, name: str, found: list[RawTopic]) -> ChoiceError:
     return ChoiceError(said, name, found[0].topic)
 
 
-def require_topics(topics: Mapping[str, str]) -> None:
+def require_topics(topics: TopicNames) -> None:
     """Refuse an argument ``topics`` of Python that gives no names of `topic_types` their topics.
 
     Raises
@@ -274,7 +274,7 @@ def _body(
     path: Path,
     contents: McapContents,
     tracks: Tracks,
-    names: Mapping[str, str],
+    names: TopicNames,
     fault: BagError | None,
     given: Tracks,
     *,

@@ -115,7 +115,9 @@ class TopicMessages(Stamped):
         return cls(none, none, np.empty((0, width)), (), none)
 
 
-OfSensor: TypeAlias = TopicMessages | list[tuple[int, str]]
+LoggedText: TypeAlias = tuple[int, str]
+"""Log time, ns, and text of a message."""
+OfSensor: TypeAlias = TopicMessages | list[LoggedText]
 """Readings of a sensor; or log times, ns, and texts of messages about faults, in file order."""
 TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
 """Function that takes messages of sensors, and about their faults, by relative topic names."""
@@ -144,7 +146,7 @@ def require_cdr(path: Path, track: RawTopic) -> None:
         raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
 
 
-def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tuple[int, str]]:
+def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[LoggedText]:
     """Log time, ns, and text of each std_msgs/String of a topic, as they come."""
     numbers = count()
     for piece in pieces:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +38,8 @@ OWN_TOPICS: Final = frozenset(
     {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
 ) | {f"/{SOFTWARE}{POSE_TOPIC}", f"/{SOFTWARE}{TWIST_TOPIC}"}
 """Topics of a bag with the run's own messages, truth, scenario and sensors, and those that readers take for such."""
+TypedMessages: TypeAlias = tuple[Messages, str]
+"""Messages of a topic, and their type."""
 _TOPIC: Final = re.compile(r"(?=.{1,255}\Z)(/[A-Za-z_]\w*)+")
 """Pattern of a full topic name of ROS, of at most 255 characters."""
 
@@ -47,7 +49,7 @@ def write_bag(
     segments: tuple[Segment, ...],
     recording: Recording | None,
     within: Callable[[Segment, int, int], SimulationStep],
-    beside: Sequence[tuple[Messages, str]],
+    beside: Sequence[TypedMessages],
     *,
     overwrite: bool,
 ) -> None:
@@ -83,7 +85,7 @@ def write_log(
     scenario: Scenario,
     truth: Samples | None,
     sensors: Mapping[str, SensorArrays],
-    beside: Sequence[tuple[Messages, str]],
+    beside: Sequence[TypedMessages],
     *,
     overwrite: bool,
 ) -> None:
@@ -134,7 +136,7 @@ def messages_beside(
     scores: Mapping[str, Score],
     scenario: Scenario,
     stamped: Callable[[Estimate], Estimate],
-) -> list[tuple[Messages, str]]:
+) -> list[TypedMessages]:
     """Messages of estimates, which are given their stamps, and of scores, with their types; see `Run.to_bag`."""
     for name, each in (("estimates", estimates), ("scores", scores)):
         if not isinstance(each, Mapping):
@@ -154,7 +156,7 @@ def messages_beside(
     return found
 
 
-def _of_estimate(topic: str, estimate: Estimate, scenario: Scenario) -> Iterator[tuple[Messages, str]]:
+def _of_estimate(topic: str, estimate: Estimate, scenario: Scenario) -> Iterator[TypedMessages]:
     """Attitudes as messages of a bag, and biases of the gyro below their topic where there are some."""
     yield _attitudes(topic, estimate, scenario.world_frame)
     if estimate.gyro_bias is not None:
@@ -162,7 +164,7 @@ def _of_estimate(topic: str, estimate: Estimate, scenario: Scenario) -> Iterator
         yield _messages(f"{topic}{BIAS_SUFFIX}", VECTOR3_STAMPED, scenario.body_frame, estimate.t_ns, {"vector": bias})
 
 
-def _attitudes(topic: str, estimate: Estimate, frame: str) -> tuple[Messages, str]:
+def _attitudes(topic: str, estimate: Estimate, frame: str) -> TypedMessages:
     """Attitudes as messages of a bag, with a covariance where there is one, and their type."""
     attitude = unit("estimate", estimate.attitude_xyzw)
     if estimate.covariance is None:
@@ -176,9 +178,7 @@ def _attitudes(topic: str, estimate: Estimate, frame: str) -> tuple[Messages, st
     return _messages(topic, POSE_WITH_COVARIANCE_STAMPED, frame, estimate.t_ns, fields)
 
 
-def _messages(
-    topic: str, kind: str, frame: str, stamps_ns: Integers, fields: Mapping[str, Array]
-) -> tuple[Messages, str]:
+def _messages(topic: str, kind: str, frame: str, stamps_ns: Integers, fields: Mapping[str, Array]) -> TypedMessages:
     """Messages of a type with a header, of which some fields are set and all other numbers are 0, and their type.
 
     They are logged at their stamps, and at 0 where these are before it, as no time of MCAP is.
@@ -188,7 +188,7 @@ def _messages(
     return Messages(topic, np.maximum(stamps_ns, 0), layout.encode(stamps_ns, *fields.values())), kind
 
 
-def _of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:
+def _of_score(topic: str, score: Score, frame: str) -> Iterator[TypedMessages]:
     """Errors below a topic, with their type: total, heading, inclination, deg; NEES and bounds; gyro bias, rad/s."""
     error_deg = np.degrees(np.stack(score.error, axis=-1))
     yield _messages(f"{topic}/error_deg", VECTOR3_STAMPED, frame, score.stamps_ns, {"vector": error_deg})

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final, overload
+from typing import Any, Final, TypeAlias, overload
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation, motions_of
 from lie_rigid_body.simulation.loop import LastCall
 
+GivenScenario: TypeAlias = "str | Path | Scenario | RigidBody | None"
+"""A name of a scenario, a file, the scenario itself, or a body; None: the defaults."""
 DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
 """Memory that one call may take by default, bytes (4 GiB)."""
 _TRUTH_BYTES: Final = 300
@@ -45,7 +47,7 @@ _NO_BIASES: Final = {"gyro_bias": None, "accelerometer_bias": None}
 
 @overload
 def simulate(
-    scenario: str | Path | Scenario | RigidBody | None = None,
+    scenario: GivenScenario = None,
     start: State | None = None,
     *,
     duration: float,
@@ -57,7 +59,7 @@ def simulate(
 
 @overload
 def simulate(
-    scenario: str | Path | Scenario | RigidBody | None = None,
+    scenario: GivenScenario = None,
     start: State | None = None,
     *,
     duration: float,
@@ -68,7 +70,7 @@ def simulate(
 
 
 def simulate(
-    scenario: str | Path | Scenario | RigidBody | None = None,
+    scenario: GivenScenario = None,
     start: State | None = None,
     *,
     duration: float,
@@ -144,7 +146,7 @@ def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str,
     return Scenario.from_parameters(_merged(scenario, parameters))
 
 
-def _merged(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
+def _merged(scenario: GivenScenario, parameters: Mapping[str, object]) -> dict[str, object]:
     """Parameters over those of a scenario, whose knots another path takes the place of."""
     own = _parameters(scenario)
     if {"path_file", "path_interval"} & parameters.keys():
@@ -188,7 +190,7 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
         )
 
 
-def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str, object]:
+def _parameters(scenario: GivenScenario) -> dict[str, object]:
     if isinstance(scenario, RigidBody):
         return {"inertia": scenario.inertia[np.triu_indices(3)].tolist()}
     if isinstance(scenario, Scenario):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -19,6 +19,8 @@ from lie_rigid_body.recording.logs.times import clock_of, share_that_rises
 
 FIELDS: Final = ("t", *(f"{sensor}_{axis}" for sensor in (GYRO, ACCELEROMETER, MAGNETOMETER) for axis in "xyz"))
 """Names by which columns are given."""
+GivenColumns: TypeAlias = Mapping[str, str | int]
+"""Headers of columns, or their numbers from 1 on, by these names."""
 _FIRST_ROWS: Final = 1000
 """Rows by which columns of time are known."""
 _GIVEN: Final = "given"
@@ -80,7 +82,7 @@ class Triple:
         return self.sign * (factor or 1.0), told
 
 
-def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str, Vectors], list[str]]:
+def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], list[str]]:
     """The readings of a log in tables by their sensors, and sentences about what was taken for what.
 
     Raises
@@ -123,7 +125,7 @@ def read_tables(path: Path, columns: Mapping[str, str | int]) -> tuple[dict[str,
     return read, [*dict.fromkeys(taken)]
 
 
-def _name_columns(tables: list[TextTable], columns: Mapping[str, str | int]) -> None:
+def _name_columns(tables: list[TextTable], columns: GivenColumns) -> None:
     """Give the columns that the user names the headings of their fields."""
     for field, name in columns.items():
         if field not in FIELDS:

@@ -14,7 +14,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.recording.bag_files import METADATA_FILE, SUFFIXES
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors, read_bag
-from lie_rigid_body.recording.logs.columns import read_tables
+from lie_rigid_body.recording.logs.columns import GivenColumns, read_tables
 from lie_rigid_body.system.bounded_input import as_path
 
 SENSORS: Final = (GYRO, ACCELEROMETER, MAGNETOMETER)
@@ -55,7 +55,7 @@ def read_log(
     *,
     imu: str | None = None,
     magnetometer: str | None = None,
-    columns: Mapping[str, str | int] | None = None,
+    columns: GivenColumns | None = None,
 ) -> Log:
     """Read a log of a gyro and perhaps an accelerometer and a magnetometer.
 
