@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
-from typing import Final
+from io import BytesIO
+from typing import Any, Final
 
 from mcap.records import Chunk
 
@@ -26,9 +27,6 @@ _OTHER_FORMATS: Final = {
     ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
 }
 """Formats of files that are no MCAP files, and the remedies, by their first bytes."""
-_PIECE: Final = 2**17
-"""Bytes that are decompressed at a time where some may be damaged: the largest block of zstd. Those before a damaged
-one are not lost."""
 
 
 def other_format(data: bytes) -> str:
@@ -54,45 +52,36 @@ def decompress(chunk: Chunk) -> bytes:
 
 
 def decompress_partial(chunk: Chunk, *, whole: bool = False) -> bytes:
-    """As much of the records of a chunk as can be decompressed; where all is wanted a frame of lz4 has an end."""
-    if chunk.compression not in _PIECES:
+    """As much of the records of a chunk as can be decompressed; where all is wanted at once."""
+    if not chunk.compression:
+        return chunk.data
+    if chunk.compression not in _READERS:
         raise UnknownCompressionError(f"{chunk.compression!r:.40}")
     if chunk.uncompressed_size > MAX_CHUNK_BYTES:
         raise ExcessError(f"a chunk of {chunk.uncompressed_size} bytes")
-    return b"".join(_PIECES[chunk.compression](chunk.data, chunk.uncompressed_size, whole))
+    source = _READERS[chunk.compression](chunk.data)
+    read = source.read if whole else source.read1  # which loses nothing before what is damaged
+    rest = chunk.uncompressed_size
+    pieces = list[bytes]()
+    with suppress(Exception):  # each library has errors of its own for damaged bytes
+        while rest and (piece := read(rest)):
+            rest -= len(piece)
+            pieces.append(piece)
+    return b"".join(pieces)
 
 
-def _of_zstd(data: bytes, size: int, whole: bool) -> Iterator[bytes]:
+def _of_zstd(data: bytes) -> Any:
     """Content of frames of zstd; zstandard's own ``decompress`` would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
-    source = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
-    with suppress(zstandard.ZstdError):
-        while size and (piece := source.read(size if whole else min(size, _PIECE))):
-            size -= len(piece)
-            yield piece
+    return zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
 
 
-def _of_lz4(data: bytes, size: int, whole: bool) -> Iterator[bytes]:
-    from lz4.frame import LZ4FrameDecompressor
+def _of_lz4(data: bytes) -> Any:
+    import lz4.frame
 
-    frame = None
-    with suppress(RuntimeError):
-        while data and size:
-            frame = LZ4FrameDecompressor()
-            while size and not frame.eof and (piece := frame.decompress(data, size if whole else min(size, _PIECE))):
-                data = b""
-                size -= len(piece)
-                yield piece
-            data = frame.unused_data or b""
-        if whole and frame and not frame.eof:
-            frame.decompress(b"", 1)
-    require(not whole or frame is None or frame.eof, "a frame of lz4 has no end")
+    return lz4.frame.open(BytesIO(data))
 
 
-_PIECES: Final[dict[str, Callable[[bytes, int, bool], Iterator[bytes]]]] = {
-    "": lambda data, size, whole: iter([data]),
-    "zstd": _of_zstd,
-    "lz4": _of_lz4,
-}
-"""Functions that decompress to at most some bytes, piece by piece, by the name of the compression."""
+_READERS: Final[dict[str, Callable[[bytes], Any]]] = {"zstd": _of_zstd, "lz4": _of_lz4}
+"""Functions that open what is compressed for reading, by the name of the compression."""
