@@ -20,7 +20,7 @@ from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.topic_discovery import topic_types
+from lie_rigid_body.recording.topic_discovery import TOPIC_TYPES
 from lie_rigid_body.report import certificates
 from lie_rigid_body.report.outputs import emit, require_outputs
 from lie_rigid_body.report.overview import Verdict, Verdicts, as_json, as_table, page_of_verdicts
@@ -38,7 +38,7 @@ Judged: TypeAlias = Callable[[Bag], Certificate]
 
 def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
-    topics = topic_names(given.topic, topic_types())
+    topics = topic_names(given.topic, TOPIC_TYPES)
     inertia = None if given.inertia is None else _inertia(given.inertia)
     max_attitude = None if given.max_attitude is None else _angle(given.max_attitude)
     judged = partial(certify, inertia=inertia, max_attitude=max_attitude)

@@ -32,9 +32,9 @@ def main(given: argparse.Namespace) -> int:
     require_suffix("-o", out, ".png")
 
     from lie_rigid_body.recording.bag_files import files_of
-    from lie_rigid_body.recording.topic_discovery import topic_types
+    from lie_rigid_body.recording.topic_discovery import TOPIC_TYPES
 
-    topics = topic_names(given.topic, topic_types())
+    topics = topic_names(given.topic, TOPIC_TYPES)
     require_room(out, files_of(given.bag), overwrite=given.force)
 
     from lie_rigid_body.recording.bag_reader import Bag

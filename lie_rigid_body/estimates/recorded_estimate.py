@@ -202,8 +202,7 @@ def _motion_of(path: Path, topics: TopicNames, progress: Progress, near: str = "
 
 def _trajectory(path: Path) -> AttitudeTrack:
     """The attitudes of a file of poses, as those of a topic that is called like the file."""
-    times, poses = stamped_poses(path)
-    stamps = np.array(times, dtype=np.int64)
+    stamps, poses = stamped_poses(path)
     return AttitudeTrack(f"{path}", TRAJECTORY, stamps, np.zeros_like(stamps), poses[:, 3:], None, "")
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, plain
+from lie_rigid_body.foundation.arrays import Array, Integers, plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import NS, decimal_ns
 from lie_rigid_body.foundation.wording import listed, shown
@@ -67,12 +67,12 @@ def read_poses(path: str | Path) -> Knots:
         If it is a bag that cannot be read.
     """
     times, poses = stamped_poses(path)
-    since = np.array([time - times[0] for time in times], dtype=np.int64)
+    since = times - times[0]
     refuse_first(f"{path}", "pose", since / NS, {RISING: np.diff(since, prepend=-1) <= 0})
     return Knots(since, poses[:, :3], poses[:, 3:])
 
 
-def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int], Array]:
+def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[Integers, Array]:
     """Stamps, ns, and poses, shape (N, 7), of a text file or of a bag; without a position it is 0.
 
     Parameters
@@ -96,7 +96,7 @@ def stamped_poses(path: str | Path, topic: str | None = None) -> tuple[list[int]
             ~(np.abs(lengths - 1.0) <= MAX_NORM_ERROR)
         ),
     }
-    refuse_first(f"{path}", "pose", np.array([(time - times[0]) / NS for time in times]), faults)
+    refuse_first(f"{path}", "pose", (times - times[0]) / NS, faults)
     return times, np.column_stack([poses[:, :3], poses[:, 3:] / lengths[:, np.newaxis]])
 
 
@@ -107,7 +107,7 @@ def is_bag(path: str | Path) -> bool:
     return Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES
 
 
-def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:
+def _of_bag(path: Path, topic: str | None) -> tuple[Integers, Array]:
     """Stamps, ns, and poses of a topic, or of the one of poses."""
     from lie_rigid_body.recording.sqlite_reader import bag_contents
     from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, POSE_TYPES, read_attitudes
@@ -125,10 +125,10 @@ def _of_bag(path: Path, topic: str | None) -> tuple[list[int], Array]:
         topic = named[0]
     track = read_attitudes(path, contents, topic)
     position = np.zeros((len(track), 3)) if track.position is None else track.position
-    return track.stamps_ns.tolist(), np.column_stack([position, track.attitude_xyzw])
+    return track.stamps_ns, np.column_stack([position, track.attitude_xyzw])
 
 
-def _of_text(path: str | Path) -> tuple[list[int], Array]:
+def _of_text(path: str | Path) -> tuple[Integers, Array]:
     """Times, ns, and poses, shape (N, 7), of a text file. Its comments and its heading are left out."""
     from lie_rigid_body.recording.logs.times import nanoseconds
 
@@ -147,4 +147,4 @@ def _of_text(path: str | Path) -> tuple[list[int], Array]:
         poses.append([numbers[column] for column in columns])
     if not times:
         raise InputError(f"{path} has no pose: give {_KINDS}")
-    return times, np.array(poses)
+    return np.array(times), np.array(poses)

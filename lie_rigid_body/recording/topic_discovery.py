@@ -28,14 +28,15 @@ Tracks: TypeAlias = dict[str, RawTopic]
 """Topics of a body by their relative names."""
 _Declared: TypeAlias = tuple[Tracks, TopicNames, BagError | None]
 """Topics of a body, those that its scenario names, and what is wrong."""
+TOPIC_TYPES: Final[Mapping[str, tuple[str, ...]]] = {
+    POSE: (POSE_STAMPED,),
+    TWIST: (TWIST_STAMPED, BARE_TWIST),
+    SCENARIO: (STRING,),
+    **{name: (kind,) for name, kind in SENSOR_TOPICS.items()},
+}
+"""The topics of a body by their relative names, and the message types that each may have."""
 _MAX_LIST: Final = 60
 """Characters of the topics that there are, in an error line that has to say more."""
-
-
-def topic_types() -> dict[str, tuple[str, ...]]:
-    """The topics of a body by their relative names, and the message types that each may have."""
-    truth = {POSE: (POSE_STAMPED,), TWIST: (TWIST_STAMPED, BARE_TWIST), SCENARIO: (STRING,)}
-    return truth | {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
 
 
 @short_dataclass
@@ -67,7 +68,7 @@ def bodies(path: Path, contents: McapContents, topics: TopicNames) -> list[Body]
         Of the bag, for errors.
     contents : McapContents
     topics : mapping of str to str
-        Topics that are called otherwise, by their relative names (the keys of `topic_types`). With one of the first
+        Topics that are called otherwise, by their relative names (the keys of `TOPIC_TYPES`). With one of the first
         three there is one body, that to which it belongs.
 
     Raises
@@ -148,7 +149,7 @@ def _declared(path: Path, contents: McapContents, given: Tracks) -> list[_Declar
         tracks = {**own, SCENARIO: scenario}
         if len(own) == 1 and scenario.key in told:
             name = TWIST if POSE in own else POSE
-            tracks[name] = RawTopic(f"{space}/{name}", topic_types()[name][0], "cdr")
+            tracks[name] = RawTopic(f"{space}/{name}", TOPIC_TYPES[name][0], "cdr")
             fault = f"{path} has {scenario.topic} and no topic {tracks[name].topic}: record it as well"
             lacking[space] = tracks, names, BagError(fault)
         elif len(own) == 2 and space not in whole:
@@ -175,7 +176,7 @@ def _truth(contents: McapContents, scenario: RawTopic, names: TopicNames) -> tup
 
 def _tracks(contents: McapContents, topics: TopicNames) -> Tracks:
     """Tracks of the topics, by their relative names, that are there."""
-    return {name: track for name, topic in topics.items() if (track := _track(contents, topic_types()[name], topic))}
+    return {name: track for name, topic in topics.items() if (track := _track(contents, TOPIC_TYPES[name], topic))}
 
 
 def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTopic:
@@ -199,7 +200,7 @@ def _missing(path: Path, contents: McapContents, name: str) -> BagError:
     for track in contents.tracks.values():
         if _last(track.topic) == name:
             kind = f"of {track.message_type}" if track.message_type else "without a type"
-            return BagError(f"{path}: topic {track.topic} is {kind}: record it as {' or '.join(topic_types()[name])}")
+            return BagError(f"{path}: topic {track.topic} is {kind}: record it as {' or '.join(TOPIC_TYPES[name])}")
     told = ": body, motion, frames" if name == SCENARIO else ""
     there = shortened(listed([topic for topic, _ in contents.tracks]), _MAX_LIST) or "no topic at all"
     remedy = _remedy(path, f"record it; there {'is' if len(contents.tracks) < 2 else 'are'} {there}")
@@ -219,7 +220,7 @@ def _several(path: Path, name: str, found: list[RawTopic]) -> ChoiceError:
 
 
 def require_topics(topics: TopicNames) -> None:
-    """Refuse an argument ``topics`` of Python that gives no names of `topic_types` their topics.
+    """Refuse an argument ``topics`` of Python that gives no names of `TOPIC_TYPES` their topics.
 
     Raises
     ------
@@ -228,15 +229,15 @@ def require_topics(topics: TopicNames) -> None:
     if not isinstance(topics, Mapping) or not all(isinstance(text, str) for pair in topics.items() for text in pair):
         raise InputError(f'topics {shown(topics)}: not names and topics; give for example topics={{"pose": "/a/pose"}}')
     for name in topics:
-        if name not in topic_types():
-            raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, topic_types(), 'topics of a body')}")
+        if name not in TOPIC_TYPES:
+            raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, TOPIC_TYPES, 'topics of a body')}")
 
 
 def given_track(
     path: Path, contents: McapContents, name: str, topic: str, kinds: Sequence[str] | None = None
 ) -> RawTopic:
     """The track of a topic that the user named, of the types of its relative name or of others."""
-    kinds = topic_types()[name] if kinds is None else kinds
+    kinds = TOPIC_TYPES[name] if kinds is None else kinds
     track = _track(contents, kinds, topic)
     if track is not None and track.count:
         return track
@@ -257,13 +258,13 @@ def _track(contents: McapContents, kinds: Sequence[str], topic: str) -> RawTopic
 
 
 def _of_types(contents: McapContents, name: str, kinds: Sequence[str] | None = None) -> list[RawTopic]:
-    alike = [track for (_, kind), track in contents.tracks.items() if kind in (kinds or topic_types()[name])]
+    alike = [track for (_, kind), track in contents.tracks.items() if kind in (kinds or TOPIC_TYPES[name])]
     return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS_TOPIC)]  # texts as well
 
 
 def _types(name: str) -> str:
     """Words for the types that a topic may have."""
-    return " or ".join(map(_last, topic_types()[name]))
+    return " or ".join(map(_last, TOPIC_TYPES[name]))
 
 
 def _last(name: str) -> str:
@@ -284,7 +285,7 @@ def _body(
     if silent and fault is None:
         remedy = _remedy(path, "record it while the body is published")
         fault = BagError(f"{path} has no message on {silent[0]}: {remedy}")
-    unknown = listed(sorted(names.keys() - topic_types().keys()))
+    unknown = listed(sorted(names.keys() - TOPIC_TYPES.keys()))
     if unknown and fault is None:
         fault = BagError(f"{path}: {tracks[SCENARIO].topic} names topics that no body has, {unknown}: restore the bag")
     if fault is not None and alone:
@@ -300,4 +301,4 @@ def _sensor(contents: McapContents, name: str, tracks: Tracks) -> RawTopic | Non
     """The track of what a sensor reads in the body's namespace, or of a private topic of its node."""
     last = name.removeprefix("~/")
     beside = tracks[POSE if last == name else SCENARIO].topic.rpartition("/")[0]
-    return _track(contents, topic_types()[name], f"{beside}/{last}")
+    return _track(contents, TOPIC_TYPES[name], f"{beside}/{last}")

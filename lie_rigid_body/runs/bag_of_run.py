@@ -22,7 +22,7 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages.batch import SENSOR_TOPICS, Batch, BatchEncoder, Messages, ReadingEncoder
+from lie_rigid_body.messages.batch import SENSOR_TOPICS, BatchEncoder, Messages, ReadingEncoder
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED, places
 from lie_rigid_body.messages.layout import Layout, Payloads, header
 from lie_rigid_body.recording.bag_reader import Recording
@@ -103,15 +103,16 @@ def write_log(
     overwrite : bool
         Replace an existing file.
     """
-    poses = [] if truth is None else [*BatchEncoder(scenario).encode(SimulationStep(truth, {}, ())).topics]
+    none = Samples(np.empty(0, dtype=np.int64), State(np.empty((0, 4)), np.empty((0, 3))))
+    batch = BatchEncoder(scenario).encode(SimulationStep(truth or none))
     readings = [
         Messages(sensor.topics[0].name, np.maximum(arrays.arrival_ns, 0), payloads)
         for sensor, arrays, payloads in encoded_readings(sensors, scenario)
     ]
     others = {messages.topic: kind for messages, kind in beside}
-    topics = (*poses, *readings, *(messages for messages, _ in beside))
+    topics = (*batch.topics, *readings, *(messages for messages, _ in beside))
     with BagWriter(path, stamped_twist=True, overwrite=overwrite, end=None, others=others) as bag:
-        bag.write(Batch(Samples(np.empty(0, dtype=np.int64), State(np.empty((0, 4)), np.empty((0, 3)))), topics))
+        bag.write(replace(batch, topics=topics))
 
 
 def encoded_readings(
