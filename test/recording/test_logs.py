@@ -484,11 +484,10 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text(HEADER), {}, "no row"),
     (text("hello", "world"), {}, "hello"),
     (lambda path: write_text(path / "log.csv", b"\x89PNG\r\n\x1a\n\0\0"), {}, "no text"),
-    (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], "NaN"), *LINES[4:]), {}, "line 5"),
-    (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], "inf"), *LINES[4:]), {}, "line 5"),
-    (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], "x"), *LINES[4:]), {}, "line 5"),
-    (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], "1_0"), *LINES[4:]), {}, "line 5"),
-    (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], ""), *LINES[4:]), {}, "line 5"),
+    *(
+        (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], cell), *LINES[4:]), {}, "line 5")
+        for cell in ("NaN", "inf", "x", "1_0", "")
+    ),
     (text(HEADER, *LINES[:3], "later" + LINES[3][3:], *LINES[4:]), {}, "line 5"),
     (text(HEADER, *LINES[:3], "," + LINES[3].partition(",")[2], *LINES[4:]), {}, "line 5"),
     (text(HEADER, *LINES[:3], "1e99999999999" + LINES[3][3:], *LINES[4:]), {}, "line 5"),

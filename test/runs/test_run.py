@@ -207,16 +207,6 @@ def test_a_bag_with_a_reset(tmp_path):
     assert np.linalg.norm(after - before) > 0.01
 
 
-def test_faults_that_leave_no_reading_are_in_the_run_of_the_bag(tmp_path):
-    run = simulate(duration=1.0, magnetometer_rate=10.0, magnetometer_dropout_probability=1.0)
-    assert len(run.faults) == 10
-    run.to_bag(tmp_path / "a.mcap")
-    read: Any = Run.from_bag(tmp_path / "a.mcap")
-    assert read.faults == run.faults
-    read.to_bag(tmp_path / "b.mcap")
-    assert (tmp_path / "b.mcap").read_bytes() == (tmp_path / "a.mcap").read_bytes()
-
-
 @pytest.mark.parametrize("oriented", [False, True])
 @pytest.mark.parametrize("fault", [{"dropout_probability": 1.0}, {"latency": 9.0}])
 def test_a_sensor_of_which_no_reading_arrives_has_none_from_its_bag_either(fault, oriented, tmp_path):
@@ -232,6 +222,7 @@ def test_a_sensor_of_which_no_reading_arrives_has_none_from_its_bag_either(fault
 
     assert kinds(read) == kinds(run)
     assert len(read.imu.t_ns) == 0
+    assert read.faults == run.faults != ()
     read.to_bag(tmp_path / "b.mcap")
     assert (tmp_path / "b.mcap").read_bytes() == (tmp_path / "a.mcap").read_bytes()
 

@@ -14,8 +14,8 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.report import write_plot, write_report
-from lie_rigid_body.scenario.parameter_file import MAX_FILE_BYTES, gather, read_parameter_file
-from lie_rigid_body.system.bounded_input import load_yaml, open_file, read_text
+from lie_rigid_body.scenario.parameter_file import MAX_FILE_BYTES, read_parameter_file
+from lie_rigid_body.system.bounded_input import load_yaml, read_text
 
 PARAMETERS = b"/**: {ros__parameters: {rate: 10.0}}"
 
@@ -64,26 +64,12 @@ def test_a_device_is_refused() -> None:
         read_text("/dev/zero", 10)
 
 
-def test_a_pipe_of_the_shell_is_read_once(pipe: tuple[str, int]) -> None:
-    path, writer = pipe
-    os.write(writer, PARAMETERS)
-    os.close(writer)
-    assert gather(None, [path], []) == {"rate": 10.0}
-
-
 def test_a_pipe_is_not_read_beyond_the_limit(pipe: tuple[str, int]) -> None:
     path, writer = pipe
     os.write(writer, bytes(1000))
     with pytest.raises(InputError, match="longer than the 999 bytes"):
         read_text(path, 999)
     os.close(writer)
-
-
-def test_a_bag_is_no_pipe(tmp_path: Path) -> None:
-    """Nobody waits for ever for its writer."""
-    os.mkfifo(tmp_path / "fifo")
-    with pytest.raises(InputError, match="is a pipe"):
-        open_file(tmp_path / "fifo")
 
 
 @pytest.mark.parametrize("given", [None, 5, b"a.mcap", ["a.mcap"]])
