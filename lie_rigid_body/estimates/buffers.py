@@ -143,9 +143,9 @@ class AttitudeBuffer:
                 self.faults.add(DISORDERED)
             if not usable(track).all():
                 self.faults.add(UNUSABLE)
-            stamps = track.stamps_ns.tolist()
-            self.first_ns = min(stamps if self.first_ns is None else [self.first_ns, *stamps])
-            self.last_ns = max(stamps if self.last_ns is None else [self.last_ns, *stamps])
+            stamps = [each for each in (self.first_ns, self.last_ns) if each is not None] + track.stamps_ns.tolist()
+            self.first_ns = min(stamps)
+            self.last_ns = max(stamps)
         if self.wanted is None and len(self.frames) > 1:
             self.faults.add(OF_OTHERS)
         kept = self._taken[frames]

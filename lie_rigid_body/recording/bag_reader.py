@@ -227,13 +227,14 @@ class Bag(BagFacts):
         self._tracks = body.tracks
         self.pose_count = pose.count
         self.twist_count = twist.count
+        samples = contents.metadata.get(METADATA, {}).get("samples", "")
         super().__init__(
             pose_topic=pose.topic,
             twist_topic=twist.topic,
             stamped=twist.message_type == TWIST_STAMPED,
             library=contents.library,
             scenario_texts=read_scenarios(self._path, contents, scenario),
-            expected_samples=_expected_samples(contents),
+            expected_samples=int(samples) if samples.isdecimal() else None,
             publish_time_mismatches=sum(track.publish_time_mismatches for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
             was_cut_off=CUT_OFF in contents.metadata,
@@ -379,8 +380,3 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
         for track in besides
     ]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
-
-
-def _expected_samples(contents: McapContents) -> int | None:
-    text = contents.metadata.get(METADATA, {}).get("samples", "")
-    return int(text) if text.isdecimal() else None

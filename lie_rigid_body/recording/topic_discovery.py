@@ -201,10 +201,11 @@ def _missing(path: Path, contents: McapContents, name: str) -> BagError:
         if _last(track.topic) == name:
             kind = f"of {track.message_type}" if track.message_type else "without a type"
             return BagError(f"{path}: topic {track.topic} is {kind}: record it as {' or '.join(TOPIC_TYPES[name])}")
+    types = " or ".join(map(_last, TOPIC_TYPES[name]))
     told = ": body, motion, frames" if name == SCENARIO else ""
     there = shortened(listed([topic for topic, _ in contents.tracks]), _MAX_LIST) or "no topic at all"
     remedy = _remedy(path, f"record it; there {'is' if len(contents.tracks) < 2 else 'are'} {there}")
-    return BagError(f"{path} has no topic .../{name} ({_types(name)}{told}): {remedy}")
+    return BagError(f"{path} has no topic .../{name} ({types}{told}): {remedy}")
 
 
 def _remedy(path: Path, otherwise: str) -> str:
@@ -260,11 +261,6 @@ def _track(contents: McapContents, kinds: Sequence[str], topic: str) -> RawTopic
 def _of_types(contents: McapContents, name: str, kinds: Sequence[str] | None = None) -> list[RawTopic]:
     alike = [track for (_, kind), track in contents.tracks.items() if kind in (kinds or TOPIC_TYPES[name])]
     return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS_TOPIC)]  # texts as well
-
-
-def _types(name: str) -> str:
-    """Words for the types that a topic may have."""
-    return " or ".join(map(_last, TOPIC_TYPES[name]))
 
 
 def _last(name: str) -> str:
