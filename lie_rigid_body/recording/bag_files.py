@@ -66,9 +66,11 @@ class BagFiles:
         self.path = as_path(path, "bag", "that of an MCAP file, or of a folder of them")
         self.progress = progress
         try:
-            self.files = recording_files(self.path) if self.path.is_dir() else [self.path]
-            for file in self.files if self.path.is_dir() else ():
-                _require_there(file)
+            self.files = [self.path]
+            if self.path.is_dir():
+                self.files = recording_files(self.path)
+                for file in self.files:
+                    _require_there(file)
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
@@ -166,7 +168,7 @@ def _ending(folder: Path, *suffixes: str) -> list[Path]:
 
 def _numbers(folder: Path, suffix: str) -> tuple[str, set[int]]:
     """Prefix and numbers of the files of a folder, if all are called as those of one recording; else none."""
-    names = [path.name for path in _ending(folder, suffix)] if suffix else []
+    names = [path.name for path in _ending(folder, suffix)]
     for pattern in _NAMES:
         found = [match for name in names if (match := pattern.fullmatch(name))]
         prefixes = {match["prefix"] for match in found}

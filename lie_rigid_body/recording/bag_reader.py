@@ -63,8 +63,6 @@ class BagFacts:
     pose_topic, twist_topic : str
     stamped : bool
         Whether twists have stamps of their own.
-    pose_count, twist_count : int
-        Messages of each.
     library : str
         The software that wrote the file.
     scenario_texts : list of (int, str)
@@ -86,8 +84,6 @@ class BagFacts:
     pose_topic: str
     twist_topic: str
     stamped: bool
-    pose_count: int = 0
-    twist_count: int = 0
     library: str
     scenario_texts: list[LoggedText]
     expected_samples: int | None = None
@@ -133,6 +129,16 @@ class Recording(BagFacts):
     twists: TopicMessages
     readings: Mapping[str, OfSensor] = field(default_factory=dict)
 
+    @property
+    def pose_count(self) -> int:
+        """Number of poses."""
+        return len(self.poses)
+
+    @property
+    def twist_count(self) -> int:
+        """Number of twists."""
+        return len(self.twists)
+
     def batches(
         self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
     ) -> Iterator[tuple[TopicMessages, TopicMessages]]:
@@ -157,6 +163,11 @@ class Bag(BagFacts):
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
         Whether poses, twists and readings are kept when it is read first, so that no later pass reads it again.
+
+    Attributes
+    ----------
+    pose_count, twist_count : int
+        Messages of each.
 
     Raises
     ------
@@ -214,10 +225,10 @@ class Bag(BagFacts):
             require_cdr(self._path, track)
         pose, twist, scenario = (body.tracks[name] for name in BODY_TOPICS)
         self._tracks = body.tracks
+        self.pose_count = pose.count
+        self.twist_count = twist.count
         samples = contents.metadata.get(METADATA, {}).get("samples", "")
         super().__init__(
-            pose_count=pose.count,
-            twist_count=twist.count,
             pose_topic=pose.topic,
             twist_topic=twist.topic,
             stamped=twist.message_type == TWIST_STAMPED,

@@ -94,9 +94,9 @@ def diagonal(variance: float) -> list[float]:
 
 @DECODERS
 @pytest.mark.parametrize("frame", FRAMES)
-def test_others_read_the_imu(decode: object, frame: str) -> None:
-    for k, payload in enumerate(imu_messages(frame)):
-        message = decode(IMU, payload)  # type: ignore[operator]
+def test_others_read_the_imu_and_the_magnetic_field(decode: Any, frame: str) -> None:
+    for k, (imu, field) in enumerate(zip(imu_messages(frame), field_messages(frame), strict=True)):
+        message = decode(IMU, imu)
         require_header(message, k, frame)
         assert (xyz(message.orientation), message.orientation.w) == ([0.0, 0.0, 0.0], 1.0)
         assert list(message.orientation_covariance) == [-1.0, *[0.0] * 8]
@@ -104,13 +104,7 @@ def test_others_read_the_imu(decode: object, frame: str) -> None:
         assert list(message.angular_velocity_covariance) == diagonal(0.1**2)
         assert xyz(message.linear_acceleration) == FORCES[k].tolist()
         assert list(message.linear_acceleration_covariance) == diagonal((1 / 3) ** 2)
-
-
-@DECODERS
-@pytest.mark.parametrize("frame", FRAMES)
-def test_others_read_the_magnetic_field(decode: object, frame: str) -> None:
-    for k, payload in enumerate(field_messages(frame)):
-        message = decode(MAGNETIC_FIELD, payload)  # type: ignore[operator]
+        message = decode(MAGNETIC_FIELD, field)
         require_header(message, k, frame)
         assert xyz(message.magnetic_field) == FIELDS[k].tolist()
         assert list(message.magnetic_field_covariance) == diagonal(1e-8**2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -96,16 +97,16 @@ def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], 
         begins = next(lines, "is empty")
         raise InputError(f"{path} has no row of numbers, it {begins}: give a CSV of readings, or a bag")
     _name_columns(tables, columns)
-    triples = [triple for table in tables for triple in _triples(table)]
-    has_gravity = any(triple.sensor == GRAVITY for triple in triples)
-    found = dict[str, list[Triple]]()
-    for triple in sorted(triples, key=lambda each: each.rank - (has_gravity and 1.5 * each.without_gravity)):
-        found.setdefault(triple.sensor, []).append(triple)
+    found = defaultdict[str, list[Triple]](list)
+    for table in tables:
+        for triple in _triples(table):
+            found[triple.sensor].append(triple)
+    gravity = found.pop(GRAVITY, [])
+    for alike in found.values():
+        alike.sort(key=lambda each: each.rank - 1.5 * (bool(gravity) and each.without_gravity))
     if GYRO not in found:
         there = "; ".join(table.columns for table in tables[:3])
         raise InputError(f"{path} has no gyro, but {there}: name its columns, such as t=1, gyro_x=2:deg/s")
-    lacks = ACCELEROMETER in found and found[ACCELEROMETER][0].without_gravity
-    gravity = found.pop(GRAVITY, [])
     read = dict[str, Vectors]()
     taken = list[str]()
     for sensor, (triple, *others) in found.items():
@@ -114,7 +115,7 @@ def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], 
         if others:
             names = listed([each.name for each in others])
             taken.append(f"The {sensor} is not {names}: name its columns, or give its file, to choose another.")
-    if lacks:
+    if ACCELEROMETER in found and found[ACCELEROMETER][0].without_gravity:
         force = read[ACCELEROMETER]
         for triple in gravity[:1]:
             vertical, told = _read(triple)
@@ -166,8 +167,9 @@ def _triples(table: TextTable) -> Iterator[Triple]:
         is_free = sensor == ACCELEROMETER and (of_logger or not (is_ros or every.isdisjoint(_WITHOUT_GRAVITY)))
         is_opposite = sensor in (ACCELEROMETER, GRAVITY) and (words[:1] == ("motion",) or words[:2] == _APPLE)
         columns = [axes[axis] for axis in range(3)]
-        rank = 2.0 * is_free + (not every.isdisjoint(_COMPUTED)) - ("total" in every) - 9.0 * (_GIVEN in words)
-        rank -= 0.25 * bool(table.headings[columns[0]].unit)
+        has_unit = bool(table.headings[columns[0]].unit)
+        rank = 2.0 * is_free + (not every.isdisjoint(_COMPUTED)) - ("total" in every)
+        rank -= 9.0 * (_GIVEN in words) + 0.25 * has_unit
         yield Triple(table, sensor, columns, rank, is_free, -1.0 if is_opposite else 1.0)
 
 
