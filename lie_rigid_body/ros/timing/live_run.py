@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from fractions import Fraction
 from typing import Final
@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS, Given
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.recording.poses import with_path
@@ -36,7 +36,7 @@ MAX_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
-def live_scenario(values: Mapping[str, object]) -> Scenario:
+def live_scenario(values: Given) -> Scenario:
     """Scenario of parameters, whose samples do not take so long that calls have to wait for their answers.
 
     Raises
@@ -207,7 +207,7 @@ class LiveRun:
         self._begin(segment)
         return segment
 
-    def reset_to(self, changes: Mapping[str, object]) -> Segment:
+    def reset_to(self, changes: Given) -> Segment:
         """Begin a new segment of the present scenario with some parameters changed.
 
         Raises
