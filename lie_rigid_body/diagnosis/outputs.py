@@ -34,14 +34,14 @@ def _angles(track: Matched, order: Order) -> Array:
     """Angles of rotations about axes of the body, in an order, shape (N, 3), rad."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
-        return np.asarray(scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(order))
+        return scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(order)
 
 
 def _recomposed(angles: Array, chosen: float) -> Array:
     """Attitudes, (N, 4), of angles in a wrong order, (N, 3), by a row of `COMPOSED`."""
     wrong, right, signs = COMPOSED[int(chosen)]
     sorted_angles = angles[:, [wrong.index(axis) for axis in right]]
-    return np.asarray(scipy.spatial.transform.Rotation.from_euler(right, sorted_angles * signs).as_quat())
+    return scipy.spatial.transform.Rotation.from_euler(right, sorted_angles * signs).as_quat()
 
 
 def _best_composed(tracks: MatchedRuns) -> list[Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
@@ -28,7 +29,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 
-GYRO_BIAS: Final = float(np.radians(1.0))
+GYRO_BIAS: Final = math.radians(1.0)
 """Size of a constant error of the gyro, rad/s."""
 BIAS: Final = GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])
 """That error on each axis, rad/s."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import NamedTuple
 
@@ -104,7 +105,7 @@ def with_unit(value: float, unit: str = "°") -> str:
 
 def in_degrees(angle_rad: float) -> str:
     """An angle in degrees with three digits."""
-    return with_unit(float(np.degrees(angle_rad)))
+    return with_unit(math.degrees(angle_rad))
 
 
 def limited(said: str, value: float, most: float, beside: str = "", unit: str = "°") -> Judged:

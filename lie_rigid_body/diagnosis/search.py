@@ -5,6 +5,7 @@ Repairs of the output are tried first, then single repairs of the input, then pa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -53,7 +54,7 @@ UNPROBED: Final = 50_000
 """Readings that may be more where the error is above `UNJUDGED`, so that most probes are not judged."""
 MAX_UPDATES_SETTLING: Final = 1_600_000
 """Readings after which no more are tried of a filter that needs more than `CALM` seconds to settle."""
-UNJUDGED: Final = float(np.radians(20.0))
+UNJUDGED: Final = math.radians(20.0)
 """Error of the filter, rad, above which a factor of the gyro near 1 explains nothing, and probes say nothing."""
 SCALES: Final = (1e-6, 1e-4, 1e-2, 1.0)
 """Factors of the gyro with which turns of the estimate are compared with those of the body."""

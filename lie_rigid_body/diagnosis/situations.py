@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Final
@@ -87,7 +88,7 @@ def situations(search: Search) -> Iterator[Situation]:
             yield Situation(name, None, is_level=False)
         else:
             level = rms(answer.track.fraction().error().inclination)
-            yield Situation(name, float(np.degrees(answer.error())), is_level=level <= search.floor)
+            yield Situation(name, math.degrees(answer.error()), is_level=level <= search.floor)
 
 
 RULES: Final = (

@@ -69,7 +69,7 @@ class Consistency:
     mean: float
     bounds: tuple[float, float]
     share_inside: float
-    remark: str = ""
+    remark: str
 
     @property
     def sentence(self) -> str:
@@ -233,6 +233,6 @@ def factor_of(P: Array, name: str = "covariance") -> Array:
         if not np.all(np.abs(scaled - transposed) <= ASYMMETRY):
             raise InputError(f"{name}: not symmetric: give its symmetric part, (P + Pᵀ)/2")
     try:
-        return np.asarray(scale[..., :, np.newaxis] * np.linalg.cholesky(0.5 * scaled + 0.5 * transposed))
+        return scale[..., :, np.newaxis] * np.linalg.cholesky(0.5 * scaled + 0.5 * transposed)
     except np.linalg.LinAlgError:
         raise InputError(f"{name}: not positive definite: give one that has an inverse") from None

@@ -28,6 +28,7 @@ Transactions on Signal Processing 46 (1998) 1386.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
@@ -201,7 +202,7 @@ class CramerRaoBound:
     @staticmethod
     def rms(covariance: Array) -> float:
         """Root mean square of the total angle over all samples, rad; at most that of a guess, 2.3 rad."""
-        return float(np.sqrt(np.mean(mean_square(covariance))))
+        return math.sqrt(np.mean(mean_square(covariance)))
 
     def is_below(self, stamps_ns: Integers, square: float, probability: float) -> bool:
         """Whether a mean square error, rad², at these stamps is below the point of this probability at the bound.
@@ -335,7 +336,7 @@ def _given(P: Array, constants: int) -> Array:
     """Covariances of states for an estimator that knows the constants, which are the last of the state."""
     n = P.shape[-1] - constants
     across = P[:, n:, :n]
-    return np.asarray(P[:, :n, :n] - np.swapaxes(across, 1, 2) @ np.linalg.solve(P[:, n:, n:], across))
+    return P[:, :n, :n] - np.swapaxes(across, 1, 2) @ np.linalg.solve(P[:, n:, n:], across)
 
 
 def _require_noise(name: str, relative: float) -> None:
@@ -433,4 +434,4 @@ def _count(stamps: Integers, readings_ns: Integers) -> Array:
 
 def _diagonal(values: Array) -> Array:
     """Multiples of the identity, shape (N, 3, 3)."""
-    return np.asarray(values[:, np.newaxis, np.newaxis] * np.eye(3))
+    return values[:, np.newaxis, np.newaxis] * np.eye(3)

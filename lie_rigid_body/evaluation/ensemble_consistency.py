@@ -15,6 +15,7 @@ factor that so many runs are said to show, 47 to 66 % are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -105,7 +106,7 @@ class EnsembleConsistency:
     def factor_shown(self) -> float:
         """Factor of a wrong covariance that so many runs would show: half of the interval's width, as a ratio."""
         low, high = self.factor_bounds
-        return float(np.sqrt(high / low))
+        return math.sqrt(high / low)
 
     @property
     def message(self) -> str:
@@ -272,14 +273,14 @@ def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str,
     return ("overconfident" if low > dimension else "conservative"), outside
 
 
-def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: int = 2000) -> tuple[Interval, ...]:
+def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Interval, ...]:
     """Times in which the mean over runs is outside of its band, neighbours joined."""
     runs = len(values)
     draws = np.random.default_rng(seed)
     mean = values.mean(axis=0)
     error = values.std(axis=0, ddof=1) / np.sqrt(runs)
     # each resampling counts how often every run is drawn
-    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=resampled) / runs
+    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=2000) / runs
     means = weights @ values
     variance = (weights @ values**2 - means**2) * runs / (runs - 1)
     deviation = (means - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))

@@ -13,6 +13,7 @@ its gyro step. Every explanation without a lag may have such a lead at no price,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache, reduce
 from typing import Final
@@ -44,9 +45,9 @@ PRICES: Final = {
 A far lag, in which the body turns by more than half a turn, has a further price, as there are many. So has any turn of
 the world with any of the body, which other axes of a gyro make as well.
 """
-MAX_LEFT: Final = float(np.radians(20.0))
+MAX_LEFT: Final = math.radians(20.0)
 """Largest error that named causes may leave, rad; if one of them has a constant, divided by their number."""
-MAX_LEFT_BY_THREE: Final = float(np.radians(7.7))
+MAX_LEFT_BY_THREE: Final = math.radians(7.7)
 """Largest error that a cause with three constants may leave, rad, divided by the number of causes with constants."""
 SHARE: Final = 1.0 / 3.0
 """Largest ratio of the RMS error with a named cause to that without the cause, in each quarter of a run."""
@@ -169,7 +170,7 @@ def base_of(form: Form, turned: Turned) -> Array:
 
 def best(forms: Array) -> Array:
     """Unit vectors c of the largest cᵀ G c for each matrix G, shape (..., d)."""
-    return np.asarray(np.linalg.eigh(forms)[1][..., -1])
+    return np.linalg.eigh(forms)[1][..., -1]
 
 
 def best_of_pair(forms: Array, first: Array) -> Array:
@@ -194,7 +195,7 @@ def start_of_pair(forms: Array) -> Array:
 def largest(turned: Turned, forms: Array) -> Array:
     """Largest value of fitted numbers for each matrix of sums, shape (..., d, d)."""
     if turned not in PAIRS:
-        return np.asarray(np.linalg.eigvalsh(forms)[..., -1])
+        return np.linalg.eigvalsh(forms)[..., -1]
     return value(best_of_pair(forms, start_of_pair(forms.reshape(-1, *forms.shape[-2:]).mean(axis=0))), forms)
 
 

@@ -8,6 +8,7 @@ attitudes that no constant rotation explains. Such a map explains their turns to
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
@@ -132,7 +133,7 @@ def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None)
             yield Remark(
                 "gaps", f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
             )
-    outside = int(np.count_nonzero(~known))
+    outside = np.count_nonzero(~known)
     if outside > ABSENT * len(known):
         yield Remark(
             "gaps",
@@ -184,7 +185,7 @@ class Turns:
         t_s = (self.stamps_ns - self.stamps_ns[0]) / 1e9
         since = float(t_s[self.first[begins[k]]])
         until = float(t_s[self.first[ends[k]] + 1])
-        turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
+        turned, turn = (round(math.degrees(one[every].sum()), 6) for one in (self.ours_rad, self.true_rad))
         is_long = until - since >= LONG * t_s[-1] and until >= t_s[-1] / 4.0  # in a quarter of a run a filter may begin
         if not is_long or len(self.first[every]) < MIN_SAMPLES or turn < np.degrees(MIN_TURN):
             return None
@@ -258,4 +259,4 @@ def _missed(ours: Array, predicted: Array) -> Array:
     """
     missed = angles_between(quaternion.exp(predicted), quaternion.exp(ours))
     turned = max(float(np.median(norm(ours))), 1e-300)
-    return np.asarray(np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1)))
+    return np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1))

@@ -110,7 +110,7 @@ def herpolhode(piece: RecordedSegment) -> Array | None:
         return None
     right = scipy.linalg.null_space(momentum[np.newaxis])[:, 0]
     other = np.cross(momentum / np.linalg.norm(momentum), right)
-    return np.asarray(quaternion.rotate(states.attitude_xyzw, states.body_rate) @ np.stack([right, other], axis=1))
+    return quaternion.rotate(states.attitude_xyzw, states.body_rate) @ np.stack([right, other], axis=1)
 
 
 def _draw_herpolhode(axes: Axes, points: Array) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -101,7 +102,7 @@ def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
     told = dict(sensors)
     bias = told.pop("gyro_bias", None)
     if bias is not None:  # the simulator draws one by its standard deviation
-        told["gyro_turn_on_bias"] = Estimated(float(np.sqrt(np.mean(np.square(bias.value)))), 0.0)
+        told["gyro_turn_on_bias"] = Estimated(math.sqrt(np.mean(np.square(bias.value))), 0.0)
     lines = [
         f"# Sensors as in {name}, by '{program('inspect')}'. What the log does not show is a comment.",
         "/**:",
