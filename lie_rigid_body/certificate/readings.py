@@ -110,11 +110,11 @@ class Replay:
     segment : Segment
     name : str
         Name of the sensor.
-    max_attitude : float or None
+    max_attitude : float, optional
         Limit of the attitude's error, rad, in place of that of the declared motion.
     """
 
-    def __init__(self, segment: Segment, name: str, max_attitude: float | None) -> None:
+    def __init__(self, segment: Segment, name: str, max_attitude: float | None = None) -> None:
         limit = max_attitude_error(segment.scenario) if max_attitude is None else max_attitude
         self._relative_error = max(limit, MIN_READING_ERROR)
         self._largest = LargestSoFar()

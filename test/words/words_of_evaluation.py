@@ -43,7 +43,6 @@ MASK = np.ma.masked_array([0, 1, 2], mask=[False, True, False])
 NO_NUMBERS = [Q.astype(str), Q.astype(bool), Q.astype(str).astype(object), [[None] * 4] * 3, [[1, 2], [3]], {"q": Q}]
 NO_ANGLES = (0.0, -1.0, np.nan, np.inf, "1deg", True, [1.0], 10**400, np.timedelta64(1, "s"), np.bool_(True))
 NO_TIMES = (None, "0", 0.5, True, [[0], [1, 2]], 10**30)
-NO_SEEDS = ("x", -1, 1.5, True, None)
 FORTY = STAMPS[:20]
 NO_PAIRS = [([1.0] * 50, [1.0] * 49), ([[1.0]], [[1.0]]), (1.0, 2.0), ([1.0], "b"), (None, [1.0]), ([1j], [1.0])]
 NO_PAIRS += [([np.inf], [1.0]), ([1.0], [-2.0])]
@@ -111,10 +110,6 @@ def consistency(covariance, axes="world"):
     return score(covariance=covariance, covariance_axes=axes)
 
 
-def seeded(seed):
-    ensemble_consistency(np.arange(5.0), np.ones((12, 5, 3)), np.eye(3), seed=seed)
-
-
 REFUSED = {
     InputError: [
         *(lambda value=value: Limits(max_rms_deg=value) for value in NO_ANGLES),
@@ -162,7 +157,6 @@ REFUSED = {
         lambda: score(longest_lag_s=-1.0),
         lambda: score(converged_deg=0.0),
         *(lambda truth=truth: evaluate(STAMPS, TRUE, truth) for truth in (Judge(), None, TRUE)),
-        *(lambda seed=seed: seeded(seed) for seed in NO_SEEDS),
         *(lambda given=given: of_runs(*given) for given in NO_PAIRS),
         *(lambda given=given: ensemble_consistency(*given) for given in NO_ENSEMBLES),
         lambda: ensemble_consistency(np.arange(5.0), ENSEMBLE, np.eye(3), axes="earth"),
