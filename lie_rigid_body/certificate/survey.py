@@ -237,5 +237,5 @@ def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
         return segment
     if segment.scenario.motion == "path":
         raise InputError("the motion is prescribed by a path, to which no inertia belongs: leave the inertia out")
-    parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
+    parameters = {**segment.scenario.parameters(), "inertia": list(inertia)}
     return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))

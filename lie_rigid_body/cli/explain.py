@@ -269,7 +269,7 @@ def _conserved(description: Description) -> list[dict[str, Any]]:
     """Quantities that the symmetries of the motion conserve, each with its values, their unit, and the reason."""
     body = "angular momentum in the body"
     along = description.conserved_body_momenta
-    found: dict[str, tuple[Vector, str, str]] = {
+    found = {
         "kinetic energy": ((description.kinetic_energy_j,), "J", "time"),
         "angular momentum in the world, all components": (description.world_momentum_kg_m2_s, "kg m²/s", "space"),
     }

@@ -21,7 +21,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 
     require_outputs(given, (), "json")
-    entries: list[dict[str, Any]] = [
+    entries = [
         {
             "name": name,
             "description": describe(path),

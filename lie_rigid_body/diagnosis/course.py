@@ -51,7 +51,7 @@ MARGIN: Final = 64
 
 RATE: Final = 100.0
 """Readings a second, where a scenario tells no rate."""
-COURSE_MOTIONS: Final[tuple[dict[str, object], ...]] = (
+COURSE_MOTIONS: Final = (
     {
         "inertia": [1.0, 2.0, 3.0],
         "initial_attitude_xyzw": [0.1, -0.2, 0.3, 0.9273618495495704],

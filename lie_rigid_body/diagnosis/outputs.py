@@ -22,7 +22,7 @@ CONSTANT: Final = 0.95
 OF_VECTOR: Final = [P for P in SIGNED_PERMUTATIONS[1:] if np.trace(P) > -3.0]
 """Permutations with signs of the vector part of a quaternion, but the inverse."""
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
-ORDERS: Final[tuple[Order, ...]] = get_args(Order)
+ORDERS: Final = get_args(Order)
 """Orders of rotations about axes of the body, the usual one first."""
 COMPOSED: Final = [
     each for each in product(ORDERS, ORDERS, product((1.0, -1.0), repeat=3)) if each[0] != each[1] or min(each[2]) < 0.0

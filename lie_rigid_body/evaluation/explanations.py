@@ -58,13 +58,13 @@ Form = tuple[tuple[str, int], ...]
 """A chain of causes without constants in the order of undoing, each with the number of its map."""
 _SHIFTED = ("scalar_first", 0)
 _INVERTED = ("inverted", 0)
-FORMS: Final[tuple[Form, ...]] = tuple(
+FORMS: Final = tuple(
     (*written, *world)
     for written in ((), (_SHIFTED,), (_INVERTED,), (_SHIFTED, _INVERTED), (_INVERTED, _SHIFTED))
     for world in ((), (("ned_world", 0),), (("ned_world", 1),))
 )
 """Every chain; the first has no cause."""
-TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
+TURNED: Final = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
 BOTH: Final = ("heading_offset", "body_mounting")
 """Turns that are fitted together, as the heading of a compass and the axes of markers."""
 PAIRS: Final = (BOTH, ("world_turned", "body_mounting"))

@@ -269,7 +269,7 @@ class Score(Shown):
 
     def to_dict(self, *, series: bool = False) -> dict[str, object]:
         """JSON-serialisable data of the score, if wanted with stamps, ns, and the errors of every sample."""
-        content: dict[str, object] = {
+        content = {
             "samples": self.samples,
             "outside": self.outside,
             "total_deg": asdict(self.total_deg),

@@ -76,7 +76,7 @@ def first_arc(piece: RecordedSegment) -> tuple[RecordedSegment, State]:
     scenario = piece.segment.scenario
     kicks = scenario.kick_schedule()
     begin = scenario.start()
-    samples: Block = piece
+    samples = piece
     for number, places in kicks.parts(piece.stamps_ns - piece.segment.start_ns):
         samples = piece[places]
         begin = scenario.exact_motion().at(kicks.begin_ns(number)) if number else begin

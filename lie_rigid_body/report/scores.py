@@ -246,7 +246,7 @@ def draw(title: str, score: Score) -> Figure:
     """
     nees = score.consistency
     bias = score.gyro_bias
-    panels: list[Panel] = [
+    panels = [
         (partial(_draw_total, score=score), "error [deg]"),
         (partial(_draw_parts, score=score), "error [deg]"),
         *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES")] if nees else []),

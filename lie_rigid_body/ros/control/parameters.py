@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any, Final
@@ -49,7 +49,7 @@ _WHY_FIXED: Final = {
     "imu_orientation": "a topic tells the same throughout",
     "sensor_grade": "other parameters depend on it",
 }
-FIXED: Final[Mapping[str, str]] = {
+FIXED: Final = {
     **{name: f"{why}: start the node anew with it" for name, why in _WHY_FIXED.items()},
     "paused": "it is how the node starts: call ~/pause or ~/resume",
 }

@@ -230,7 +230,7 @@ class StandardServices:
         """Play, pause, stop (pause at the start of a new segment) or quit."""
         present = self._run.state
         wanted = request.state.state
-        actions: dict[int, Callable[[], object]] = {
+        actions = {
             RunState.STOPPED: lambda: self._run.ask(self._run.stop, self._scenario()),
             RunState.PLAYING: lambda: self._run.ask(self._run.resume),
             RunState.PAUSED: lambda: self._run.ask(self._run.pause),

@@ -135,7 +135,7 @@ class Markers(Periodic):
         # a box along the principal axes, m: an inertia alone does not determine the size of a body
         axes = quaternion.from_matrix(self._body.principal_axes)
         sides = box_sides(self._body.principal_moments)
-        markers: tuple[tuple[str, int, ColorRGBA, dict[str, Any]], ...] = (
+        markers = (
             (
                 "body",
                 Marker.CUBE,

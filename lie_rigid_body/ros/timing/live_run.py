@@ -13,7 +13,6 @@ import numpy as np
 
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS, Given
-from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
@@ -294,7 +293,7 @@ class LiveRun:
             self._take_pace(pace_of(factor, present, self._steady()))
 
     def _take_pace(self, pace: Pace) -> None:
-        self._pace: Pace = pace
+        self._pace = pace
         self._rested_ns = 0
 
     def _present_ns(self) -> int:
@@ -315,7 +314,7 @@ class LiveRun:
         self._rested_ns = 0
         if self._lockstep is not None:
             self._lockstep.begin_segment(scenario.sensors.on)
-        self.latest: tuple[int, State] = (segment.start_ns, scenario.start())
+        self.latest = (segment.start_ns, scenario.start())
         for sink in self._sinks:
             sink.begin_segment(segment)
 
