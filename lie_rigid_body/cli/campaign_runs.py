@@ -247,7 +247,7 @@ def _table(campaign: Campaign, rows: Sequence[Row]) -> Table:
             for row in rows
         ],
         "Runs",
-        {number for number, row in enumerate(rows) if not row.certified},
+        [not row.certified for row in rows],
     )
 
 

@@ -136,8 +136,7 @@ def _laws(certificate: Certificate) -> Iterator[Part]:
 def _table(laws: Iterable[tuple[LawResult, float | None]], heading: str = "") -> Table:
     """Table of laws, each with the time of its worst sample since the segment's start, s."""
     told = [*laws]
-    broken = {number for number, (law, _) in enumerate(told) if not law.holds}
-    return Table(_HEADINGS, [law_cells(law, time_s) for law, time_s in told], heading, broken)
+    return Table(_HEADINGS, [law_cells(*each) for each in told], heading, [not law.holds for law, _ in told])
 
 
 def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:

@@ -116,7 +116,7 @@ def is_live(argv: Sequence[str]) -> bool:
     return not parse(argv).run
 
 
-def parse(argv: Sequence[str]) -> argparse.Namespace:
+def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the arguments, without the program's name; those for ROS, which are not read, are in ``ros``.
 
     Raises

@@ -78,7 +78,7 @@ def parts_of_several(scored: Scored) -> Parts:
         Table(
             _HEADINGS,
             [_cells(*each) for each in scored],
-            marked={number for number, (_, score) in enumerate(scored) if not score.passed},
+            marked=[not score.passed for _, score in scored],
         ),
         Picture(lambda: html_page.picture(partial(curves, "", scored))),
         Sentences([f"{_SOURCE}; RMS and 95 % of the total error, degrees."]),

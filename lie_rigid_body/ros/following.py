@@ -142,9 +142,8 @@ class Following:
             hear(payloads)
         except LieRigidBodyError as error:
             if len(payloads) > 1:
-                half = len(payloads) // 2
-                self._hand_on(topic, payloads[:half], hear)
-                self._hand_on(topic, payloads[half:], hear)
+                for payload in payloads:
+                    self._hand_on(topic, [payload], hear)
                 return
             count, reason = self._unreadable.get(topic, (0, str(error)))
             self._unreadable[topic] = count + 1, reason
