@@ -187,7 +187,7 @@ def ensemble_consistency(
     ------
     InputError
         If a shape is wrong, a number not finite, or there are too few runs. Also if a covariance is not symmetric and
-        positive definite, or errors are so large beside it that the NEES overflows.
+        positive definite.
     """
     require_axes(axes)
     e, P = errors_and_covariances(errors, covariance, "R", "T", "d")

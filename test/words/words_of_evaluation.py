@@ -17,7 +17,6 @@ from lie_rigid_body.evaluation import (
     attitude_nees,
     bias_error,
     evaluate,
-    nees,
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
@@ -50,8 +49,7 @@ ENSEMBLE = np.ones((12, 5, 3))
 NO_ENSEMBLES = [
     (np.arange(5.0), ENSEMBLE[:9], np.eye(3)),
     (np.arange(5.0), ENSEMBLE, -np.eye(3)),
-    # the square of the last overflows
-    *((np.arange(5.0), ENSEMBLE * value, np.eye(3)) for value in (np.nan, np.inf, 1e300)),
+    *((np.arange(5.0), ENSEMBLE * value, np.eye(3)) for value in (np.nan, np.inf)),
     (np.arange(5.0), ENSEMBLE[0], np.eye(3)),
     (np.arange(5.0), ENSEMBLE, np.ones((5, 3, 3))),
     (np.arange(4.0), ENSEMBLE, np.eye(3)),
@@ -174,7 +172,6 @@ REFUSED = {
         lambda: consistency(np.full((3, 3), np.nan)),
         lambda: consistency(np.tile(P, (7, 1, 1))),
         *(lambda axes=axes: consistency(P, axes=axes) for axes in ("map", ["world"])),
-        lambda: nees(np.full((9, 3), 1e200), np.eye(3)),
         *(lambda noise=noise: bound(gyro_noise=noise) for noise in (0.0, 1e-60, 1e200)),
         lambda: bound(vectors=[VectorReadings(TWO, 1e-300 * UP.vector, 0.3)]),
         lambda: bound(attitudes=[AttitudeReadings(TWO, 1e-30 * np.eye(3))]),
