@@ -15,10 +15,11 @@ import numpy as np
 from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import NOISE, TINY, courses_of, noise_of
 from lie_rigid_body.diagnosis.filter_diagnosis import ErrorOverTime, FilterDiagnosis, Mistake, Note, degrees
+from lie_rigid_body.diagnosis.filter_runs import MAX_REST
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES
 from lie_rigid_body.diagnosis.probing import Probe, in_degrees, told
 from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER
-from lie_rigid_body.diagnosis.search import MAX_REST, Search
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.diagnosis.situations import Situation, common, situations
 from lie_rigid_body.diagnosis.trials import NEAR, Trial
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of

@@ -11,6 +11,7 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
+from lie_rigid_body.diagnosis.filter_runs import UNJUDGED
 from lie_rigid_body.diagnosis.noise_probes import covariance, first_given, noise, of_single_sets
 from lie_rigid_body.diagnosis.probing import (
     Courses,
@@ -21,7 +22,7 @@ from lie_rigid_body.diagnosis.probing import (
     tolerated,
     worst,
 )
-from lie_rigid_body.diagnosis.search import UNJUDGED, Search
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.diagnosis.trials import NEAR
 from lie_rigid_body.evaluation.remarks import NOT_UNIT, Turns
 from lie_rigid_body.evaluation.statistics import rms

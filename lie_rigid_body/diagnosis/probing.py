@@ -10,7 +10,8 @@ import numpy as np
 
 from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import Course
-from lie_rigid_body.diagnosis.search import UNJUDGED, Search
+from lie_rigid_body.diagnosis.filter_runs import UNJUDGED
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.diagnosis.trials import NEAR
 from lie_rigid_body.foundation.errors import FilterError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
