@@ -96,7 +96,7 @@ class _Worst(NamedTuple):
 
     def or_among(self, weights: Array, *arrays: Array | Integers) -> _Worst:
         """Whichever is larger, it or the largest of some weights, with residuals, limits, samples and stamps."""
-        i = int(np.argmax(weights))
+        i = np.argmax(weights)
         return _Worst(*(array[i].item() for array in (weights, *arrays))) if weights[i] > self.weight else self
 
 

@@ -183,7 +183,7 @@ def inflations(track: Matched, parts: Parts) -> list[float]:
 
 def weights(norms: Array) -> Array:
     """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians."""
-    scale = 3.0 * float(np.median(norms)) if norms.size else 0.0
+    scale = 3.0 * np.median(norms) if norms.size else 0.0
     return np.asarray(1.0 / (1.0 + (norms / scale) ** 2) ** 2 if scale else np.ones_like(norms))
 
 
@@ -259,7 +259,7 @@ def _lag(sign: float, tracks: MatchedRuns) -> Sequence[Array]:
     """A lag of that sign and of more than a sample, s; else 0."""
     [found] = fitted_in_time(BY_CODE["lagging"], _LAGS, tracks)
     steps = np.diff(tracks[0].stamps_ns)
-    least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
+    least = 1.001e-9 * np.median(steps) if len(steps) else np.inf  # no sample is later than the only one
     return [found if sign * found[0] > least else np.zeros(1)]
 
 

@@ -135,7 +135,7 @@ def _unnamed(track: Matched, fitted: Parts, without: Parts, instead: Parts, peri
     lag_s = float(fitted[-1][1][0])
     error = standard_error(track, fitted)
     left, before, other, raw = (
-        float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, instead, ())
+        np.median(undone(track, parts).error().total) for parts in (fitted, without, instead, ())
     )
     turn = rms(norm(track.rates))
     if left > MAX_LEFT:  # what follows the truth so little tells no lag
@@ -174,7 +174,7 @@ def standard_error(track: Matched, parts: Parts) -> float:
     transposed = np.swapaxes(J, 1, 2)
     along = transposed @ error[..., np.newaxis]
     # second derivative of the loss: the weight falls with the size of an error
-    falls = weight**1.5 * (4.0 / max(9.0 * float(np.median(size)) ** 2, 1e-300))
+    falls = weight**1.5 * (4.0 / max(9.0 * np.median(size) ** 2, 1e-300))
     normal = weight * (transposed @ J) - falls * (along @ np.swapaxes(along, 1, 2))
     gradient = (weight * along)[..., 0]
     whole = normal.sum(axis=0)
@@ -213,9 +213,9 @@ def other_clock(track: Matched, beyond_s: float, *, rates: bool) -> tuple[Part, 
     if len(few.stamps_ns) < MIN_SAMPLES:
         return None
     some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
-    step_s = MAX_LAG_STEP / max(float(norm(truth.states(some)[1]).max()), 1e-9)
-    begin_s = (int(few.stamps_ns[0]) - truth.last_ns) / 1e9
-    end_s = (int(few.stamps_ns[-1]) - truth.first_ns) / 1e9
+    step_s = MAX_LAG_STEP / max(norm(truth.states(some)[1]).max(), 1e-9)
+    begin_s = (few.stamps_ns[0] - truth.last_ns) / 1e9
+    end_s = (few.stamps_ns[-1] - truth.first_ns) / 1e9
     parts = list[Part]()
     if rates:
         cause = BY_CODE["clock_rate"]
@@ -223,7 +223,7 @@ def other_clock(track: Matched, beyond_s: float, *, rates: bool) -> tuple[Part, 
     lags = np.arange(begin_s, end_s, step_s) if end_s - begin_s <= MAX_LAGS * step_s else np.zeros(0)
     lags = lags[np.abs(lags) > beyond_s]
     if len(lags):
-        parts += [late(float(lag[0])) for lag in fitted_in_time(BY_CODE["lagging"], lags, [few], STARTS)]
+        parts += [late(lag[0]) for lag in fitted_in_time(BY_CODE["lagging"], lags, [few], STARTS)]
     found = [(part, undone(track, [part]).known()) for part in parts if _explains(few, part, beyond_s)]
     return min(found, key=lambda clock: rms(clock[1].error().total), default=None)
 
@@ -252,5 +252,5 @@ def _explains(few: Matched, part: Part, beyond_s: float) -> bool:
         return True
     if not is_rate:
         return abs(number) * float(norm(moved.rates).max()) < np.pi
-    spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
+    spanned = (moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
     return max(number, 1.0 / number) >= CLOCK_RATIO and spanned >= MIN_SPANNED

@@ -397,7 +397,7 @@ def _system(
     Q[:, :6, :6] = np.einsum("n,nij,nkj->nik", walk, into, into)
     Q[:, :3, :3] += np.einsum("n,nij,nkj->nik", gyro.noise**2 / readings, pushed, pushed)
     for i, sensor in enumerate(vectors):
-        unit = float(norm(sensor.vector))
+        unit = norm(sensor.vector)
         own = slice(6 + 3 * i, 9 + 3 * i)
         read = _count(stamps, sensor.stamps_ns)
         # as many readings of one vector are one of as much less noise
@@ -410,7 +410,7 @@ def _system(
         Q[:, own, own] = _diagonal((sensor.bias.step / unit) ** 2 * np.maximum(read, 0.0))
     for i, attitude in enumerate(noisy.attitudes, len(vectors)):
         factor = factor_of(attitude.covariance)
-        _require_noise("attitude", float(np.linalg.svd(factor, compute_uv=False)[-1]))
+        _require_noise("attitude", np.linalg.svd(factor, compute_uv=False)[-1])
         H[:, i, :, :3] = np.sqrt(_count(stamps, attitude.stamps_ns))[:, np.newaxis, np.newaxis] * np.linalg.inv(factor)
     for sensor in sensors:
         # the smoother divides by what a bias that wanders begins with

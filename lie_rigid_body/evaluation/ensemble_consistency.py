@@ -227,8 +227,8 @@ def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
 
 def _likelihood(values: Array, mean: float) -> float:
     """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes k: ln k − ψ(k) = excess."""
-    logarithm = float(np.log(values).mean())
-    ratio = float(values.mean()) / mean
+    logarithm = np.log(values).mean()
+    ratio = values.mean() / mean
     excess = max(np.log(mean) - logarithm + ratio - 1.0, 1e-12)
     # 1 / 2k < ln k − ψ(k) < 1 / k
     k = scipy.optimize.brentq(

@@ -138,7 +138,7 @@ class Evidence:
         half = min(max(math.ceil(4.0 * longest_lag_s * self.fastest), 1), 90)
         self._lags = np.linspace(-longest_lag_s, longest_lag_s, 2 * half + 1)
         # what a lag between two of these may leave less
-        self._slack = float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
+        self._slack = np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2
         self._known: dict[tuple[Form, Turned, bool], Explanation] = {}
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
@@ -268,7 +268,7 @@ class Evidence:
         """
         few = self.whole.thinned(MAX_OF_LEAD)
         count = len(few.stamps_ns)
-        span_s = float(np.ptp(few.since_s))
+        span_s = np.ptp(few.since_s)
         turns = np.fft.rfft(quaternion.rotate(few.truth_xyzw, few.rates) * self.period_s, axis=0)
         frequency = np.fft.rfftfreq(count, span_s / max(count - 1, 1))[:, np.newaxis]
         settled = slice(count // 4, None)
@@ -298,7 +298,7 @@ class Evidence:
         for k, (cause, constants) in enumerate(explanation.parts):
             if cause.price:
                 turn = self.root_mean_square_rate if cause.unit == "s" else 1.0
-                sizes = np.array([found[k][1] @ constants for found in fits]) * turn / float(np.linalg.norm(constants))
+                sizes = np.array([found[k][1] @ constants for found in fits]) * turn / np.linalg.norm(constants)
                 thirds = sizes.reshape(3, -1)
                 first, middle, last = thirds.mean(axis=1)
                 error = np.sqrt(3.0 * thirds[::2].var(axis=1, ddof=1).sum())  # 3 standard errors of the difference
@@ -349,7 +349,7 @@ class Evidence:
 
     def is_small(self, explanation: Explanation) -> bool:
         """Whether a turn, or the turn in a lag that leaves some error, is no larger than what sensor errors leave."""
-        turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
+        turns_rad = [np.linalg.norm(constants) for cause, constants in explanation.parts if cause.code in PRICES]
         is_late = explanation.lag_s is not None and (
             explanation.error > FOLLOWING * self.without(explanation, "lag").error
             and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors

@@ -142,7 +142,7 @@ class Explanation:
         # of two that do the same by nature: without other axes of the body, and with the smaller mounting
         simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:
-            simple += 0.04 * float(np.linalg.norm(vector(self.numbers[-4:]))) / np.pi
+            simple += 0.04 * np.linalg.norm(vector(self.numbers[-4:])) / np.pi
         return float(np.mean(0.5 * np.log2(floored(self.left)))) + simple
 
     @property

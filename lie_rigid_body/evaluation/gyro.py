@@ -125,7 +125,7 @@ def compare_with_truth(t_ns: Integers, rate: Array, truth: Truth) -> tuple[GyroF
         Standard errors of the delay, s, of the mounting as a rotation vector, rad, and of the factor.
     """
     times = np.linspace(truth.first_ns, truth.last_ns, MAX_TRUTH_STEPS).astype(np.int64)
-    fast = max(float(np.quantile(np.linalg.norm(truth.states(times)[1], axis=1), 0.95)), 1e-9)
+    fast = max(np.quantile(np.linalg.norm(truth.states(times)[1], axis=1), 0.95), 1e-9)
     t_s = (t_ns - t_ns[0]) / NS
     width = int(np.clip(TRUTH_STEP / fast / np.median(np.diff(t_s)), 1, len(t_s) // 4))
     first = spread(len(t_s) - width, MAX_TRUTH_STEPS)

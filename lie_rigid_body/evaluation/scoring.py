@@ -272,7 +272,7 @@ def score_estimate(
 
 def _apart(stamps: Integers, truth: Truth) -> str:
     """Error message that none of the stamps is within the truth."""
-    ahead = (int(stamps[0]) - truth.first_ns) / 1e9
+    ahead = (stamps[0] - truth.first_ns) / 1e9
     return (
         f"estimate: none of its {len(stamps)} stamps is within the truth, from {truth.first_ns / 1e9:.12g} s to "
         f"{truth.last_ns / 1e9:.12g} s: they begin {abs(ahead):.9g} s {'after' if ahead > 0 else 'before'} it; stamp "
@@ -324,7 +324,7 @@ def diagnose(
     if sure:  # of fast turns every sample jumps
         remark = (turned.other() if sure.code == "mixed" else None) or sure
         return Diagnosis(findings=(Finding(*remark, rms(error)),))
-    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, float(stamps[-1] - stamps[0]) / 4e9)
+    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, (stamps[-1] - stamps[0]) / 4e9)
     evidence = _evidence(track, longest_s, left_by_sensors)
     choice = evidence.choice() if evidence else NOTHING
     named = choice.named

@@ -226,7 +226,7 @@ class Tally:
         t_s = (stamps_ns - self._first_ns) / 1e9
         for number, (start, _) in enumerate(self.limits.max_after):
             late_deg = np.where(t_s >= start, angles_deg[0], -np.inf)
-            largest = int(np.argmax(late_deg))
+            largest = np.argmax(late_deg)
             if late_deg[largest] > self._worst[number][1]:  # of as large ones the first counts
                 self._worst[number] = float(t_s[largest]), float(late_deg[largest])
 

@@ -173,7 +173,7 @@ class Ellipsoid:
         """Ellipsoid and polhode of the first moving arc, of so many points at most; none at rest or on a path."""
         body = piece.segment.scenario.body()
         arc, begin = first_arc(piece)
-        energy = float(body.kinetic_energy(begin))
+        energy = body.kinetic_energy(begin)
         rates = path(arc, most).body_rate
         if energy == 0.0 or not len(rates) or piece.segment.scenario.path():
             return None

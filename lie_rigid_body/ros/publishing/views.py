@@ -175,7 +175,7 @@ def _arrow(*ends: Array) -> dict[str, Any]:
 
 def _scale(vectors: Array) -> float:
     """The factor that makes the largest of some vectors as long as an arrow; 0 where all are zero."""
-    size = float(np.linalg.norm(vectors, axis=1).max())
+    size = np.linalg.norm(vectors, axis=1).max()
     return ARROW / size if size else 0.0
 
 
