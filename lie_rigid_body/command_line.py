@@ -98,12 +98,12 @@ def _joined(option: str, *following: str) -> list[str]:
     return [f"{option}={STDOUT}", *following]
 
 
-def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
-    """A command line's own arguments, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
+def split_ros_arguments(argv: Iterable[str] | None) -> tuple[list[str], list[str]]:
+    """Arguments, or those of the process, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
     own = list[str]()
     ros = list[str]()
     target = own
-    for text in argv:
+    for text in sys.argv[1:] if argv is None else argv:
         if text == _ROS_BEGIN:
             target = ros
         elif text == "--" and target is ros:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import Any, Final, NamedTuple
@@ -99,7 +100,7 @@ class EstimatorSummary:
         if not len(values):
             return np.nan
         place = share * len(values)
-        return float(0.5 * values[int(np.ceil(place)) - 1] + 0.5 * values[min(int(place), len(values) - 1)])
+        return float(0.5 * values[math.ceil(place) - 1] + 0.5 * values[min(int(place), len(values) - 1)])
 
     def worst(self, count: int) -> list[int]:
         """Numbers of the runs of the largest errors, first those in which it failed."""
@@ -285,7 +286,7 @@ def _bound(campaign: Campaign, summaries: Sequence[EstimatorSummary]) -> Bound |
         return None
     t_s = (bound.stamps_ns - run.t_ns[0]) / 1e9
     squares = np.interp(np.linspace(0.0, float(campaign.exact_duration), CURVE), t_s, mean_square(bound.filtered))
-    return Bound(number, float(np.degrees(bound.rms(bound.filtered))), np.degrees(np.sqrt(squares)))
+    return Bound(number, math.degrees(bound.rms(bound.filtered)), np.degrees(np.sqrt(squares)))
 
 
 def _verdict(duration_s: float | None, run_scores: list[RunScore], *, of_bias: bool) -> EnsembleConsistency | None:

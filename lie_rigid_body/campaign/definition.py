@@ -21,7 +21,7 @@ from lie_rigid_body.estimates.estimators import Estimator, NamedFunction
 from lie_rigid_body.estimates.programs import CommandEstimator, words
 from lie_rigid_body.foundation.arrays import plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import NS, Parameter, Value, exact_duration
+from lie_rigid_body.foundation.parameters import NS, Given, Parameter, Value, exact_duration
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import printable, shown, suggestion
 from lie_rigid_body.recording.poses import with_path
@@ -87,10 +87,10 @@ class Campaign:
     seed: int
     duration: float
     scenario: str | None = None
-    parameters: Mapping[str, object] = field(default_factory=dict, hash=False)
-    vary: Mapping[str, object] = field(default_factory=dict, hash=False)
+    parameters: Given = field(default_factory=dict, hash=False)
+    vary: Given = field(default_factory=dict, hash=False)
     estimator: str | None = None
-    estimators: Mapping[str, object] = field(default_factory=dict, hash=False)
+    estimators: Given = field(default_factory=dict, hash=False)
     gives: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -184,7 +184,7 @@ class Campaign:
         return {name: distribution(f"vary.{name}", given) for name, given in self.vary.items()}
 
     @cached_property
-    def _base(self) -> Mapping[str, object]:
+    def _base(self) -> Given:
         return {**gather(self.scenario, [], []), **self.parameters}
 
     @cached_property
@@ -267,7 +267,7 @@ class EstimatorSpec:
     """
 
     name: str
-    function: str | None = None
+    function: str | None
     command: str | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     grid: Mapping[str, list[Any]] = field(default_factory=dict)

@@ -185,7 +185,7 @@ class Results:
         """Write a table of rows, of whose cells it takes those in its columns, which have the kinds of parameters."""
         import pyarrow.parquet
 
-        types: dict[str, Any] = {
+        types = {
             "double": pyarrow.float64(),
             "double_array": pyarrow.list_(pyarrow.float64()),
             "int": pyarrow.int64(),

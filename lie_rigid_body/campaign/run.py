@@ -38,6 +38,8 @@ from lie_rigid_body.system.interpreters import STARTING_S, Interpreter
 BAGS: Final = "bags"
 """Name of the folder of the bags in the folder of a campaign."""
 Scores: TypeAlias = dict[str, float | str | None]
+Series: TypeAlias = list[list[float]]
+"""Numbers at `SERIES` times of a run, a row for each time."""
 
 ERROR: Final = "estimator_error"
 """Column that says why a run has no score."""
@@ -184,11 +186,11 @@ class RunScore:
         Total error, degrees, at `CURVE` times; NaN where there is no estimate.
     axes : str
         ``world`` or ``body``: the axes of the covariance.
-    covariance : list of list of float
-        At `SERIES` times: the error as a small rotation, rad, about these axes, the upper triangle of its covariance,
+    covariance : Series
+        The error as a small rotation, rad, about these axes, the upper triangle of its covariance,
         rad², row by row, and the estimated attitude, scalar last.
-    gyro_bias : list of list of float
-        At the same times: the error of the gyro's bias, rad/s, and the upper triangle of its covariance, rad²/s².
+    gyro_bias : Series
+        The error of the gyro's bias, rad/s, and the upper triangle of its covariance, rad²/s².
     bias_claimed_exact : bool
         Whether the covariance of the gyro's bias is 0 beside an error.
     """
@@ -197,8 +199,8 @@ class RunScore:
     reading_s: float | None = None
     curve_deg: list[float] = field(default_factory=list)
     axes: str = "world"
-    covariance: list[list[float]] = field(default_factory=list)
-    gyro_bias: list[list[float]] = field(default_factory=list)
+    covariance: Series = field(default_factory=list)
+    gyro_bias: Series = field(default_factory=list)
     bias_claimed_exact: bool = False
 
     @property
@@ -265,7 +267,7 @@ def _nearest(stamps_ns: Integers, t_ns: Integers, truth: Truth, count: int) -> t
     return nearest, truth.covers(stamps_ns[nearest]) & near
 
 
-def _attitude_series(found: Estimate, truth: Truth, places: Integers) -> list[list[float]]:
+def _attitude_series(found: Estimate, truth: Truth, places: Integers) -> Series:
     if found.covariance is None:
         return []
     attitudes = unit("estimate", found.attitude_xyzw[places])
@@ -273,7 +275,7 @@ def _attitude_series(found: Estimate, truth: Truth, places: Integers) -> list[li
     return _rows(errors, found.rotation_covariance()[places], attitudes)
 
 
-def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float]]:
+def _bias_series(found: Estimate, run: Run, places: Integers) -> Series:
     if found.gyro_bias is None or found.gyro_bias_covariance is None:
         return []
     errors = numbers("gyro_bias", found.gyro_bias, 3)[places] - run.gyro_bias_at(found.t_ns[places])
@@ -284,13 +286,13 @@ def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float
     return _rows(errors, P[places])
 
 
-def _rows(errors: Array, P: Array, *more: Array) -> list[list[float]]:
+def _rows(errors: Array, P: Array, *more: Array) -> Series:
     """Errors, their covariances, and more beside them."""
-    rows: list[list[float]] = np.column_stack([errors, P.reshape(-1, 9), *more]).tolist()
+    rows: Series = np.column_stack([errors, P.reshape(-1, 9), *more]).tolist()
     return rows
 
 
-def errors_of(series: list[list[list[float]]]) -> tuple[Array, Array, Array]:
+def errors_of(series: list[Series]) -> tuple[Array, Array, Array]:
     """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R runs."""
     errors, P, more = np.split(np.array(series, dtype=float), [3, 12], axis=-1)
     return errors, P.reshape(*P.shape[:2], 3, 3), more

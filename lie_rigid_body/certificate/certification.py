@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
-from lie_rigid_body.certificate.law_result import LawResult, Watch
+from lie_rigid_body.certificate.law_result import LawResult, Laws, Watch
 from lie_rigid_body.certificate.laws import SegmentLaws, SegmentResults
 from lie_rigid_body.certificate.limits import CLOSED_FORM_ERROR
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
@@ -22,7 +22,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.foundation.wording import counted, listed, shown
-from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording
+from lie_rigid_body.recording.bag_reader import NO_TOPICS, AnyBag, Bag, Recording
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
@@ -44,8 +44,8 @@ class SegmentCertificate:
 
     segment: Segment
     samples: int
-    laws: tuple[LawResult, ...]
-    notes: tuple[str, ...] = ()
+    laws: Laws
+    notes: tuple[str, ...]
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
@@ -86,7 +86,7 @@ class Certificate(Shown):
     """
 
     segments: tuple[SegmentCertificate, ...]
-    whole: tuple[LawResult, ...] = ()
+    whole: Laws = ()
     not_certified: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
     uncovered: tuple[str, ...] = ()
@@ -105,7 +105,7 @@ class Certificate(Shown):
         return all(s.passed for s in self.segments) and all(law.holds for law in self.whole)
 
     @property
-    def laws(self) -> tuple[LawResult, ...]:
+    def laws(self) -> Laws:
         """Each law where it went farthest beyond its limit, or came nearest, and those of the bag as a whole."""
         worst: dict[str, LawResult] = {}
         for law in (*itertools.chain.from_iterable(segment.laws for segment in self.segments), *self.whole):
@@ -146,7 +146,7 @@ def _verdict(laws: Iterable[LawResult], accuracy: float) -> str:
 
 
 def certify(
-    bag: Bag | Recording | str | Path,
+    bag: AnyBag | str | Path,
     inertia: Sequence[float] | None = None,
     watch: Watch | None = None,
     max_attitude: float | None = None,
@@ -218,9 +218,7 @@ def certify(
     )
 
 
-def _to_the_bit(
-    bag: Bag | Recording, surveyed: Survey, held: Iterable[SegmentResults], sensors: SensorFindings
-) -> bool | None:
+def _to_the_bit(bag: AnyBag, surveyed: Survey, held: Iterable[SegmentResults], sensors: SensorFindings) -> bool | None:
     """Whether a bag of the closed form and of this version is equal to the bit to what is computed here."""
     motions = {segment.scenario.motion for segment in surveyed.declared}
     if motions != {"closed_form"} or other_software(bag) is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
@@ -74,6 +74,10 @@ class LawResult:
         return 0.0 if self.holds else np.inf
 
 
+Laws: TypeAlias = tuple[LawResult, ...]
+"""Results of laws, in the order in which they are told."""
+
+
 class Watch(Protocol):
     """Receiver of residuals as they are compared with their limits."""
 
@@ -92,7 +96,7 @@ class _Worst(NamedTuple):
 
     def or_among(self, weights: Array, *arrays: Array | Integers) -> _Worst:
         """Whichever is larger, it or the largest of some weights, with residuals, limits, samples and stamps."""
-        i = int(np.argmax(weights))
+        i = np.argmax(weights)
         return _Worst(*(array[i].item() for array in (weights, *arrays))) if weights[i] > self.weight else self
 
 
@@ -138,13 +142,10 @@ class LawTally:
             self._watch(self.name, self._unit, residuals, limits, stamps_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
         self._checked += residuals.size
-        holds = (residuals <= limits) | np.isinf(limits)
-        if holds.all():
-            self._largest = self._largest.or_among(residuals, residuals, limits, samples, stamps_ns)
-        else:
-            broken = ~holds
-            weights = np.where(np.isnan(residuals), np.inf, residuals)
-            self._largest = self._largest.or_among(weights, residuals, limits, samples, stamps_ns)
+        broken = ~((residuals <= limits) | np.isinf(limits))
+        weights = np.where(np.isnan(residuals), np.inf, residuals)
+        self._largest = self._largest.or_among(weights, residuals, limits, samples, stamps_ns)
+        if broken.any():
             beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
             self._farthest = self._farthest.or_among(beyond, residuals, limits, samples, stamps_ns)
             self._broken += int(np.count_nonzero(broken))

@@ -8,12 +8,13 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
+from lie_rigid_body.certificate.law_result import Laws, LawTally, Watch
 from lie_rigid_body.certificate.limits import (
     MAX_NORM_ERROR,
     PATH_ERROR,
     RATE_FACTOR,
     TRANSLATION_ERROR,
+    LargestSoFar,
     closed_form_error,
     max_attitude_error,
     remedy,
@@ -63,7 +64,7 @@ class SegmentResults:
         Whether all attitudes and body rates are equal to those of the closed form, to the bit.
     """
 
-    laws: tuple[LawResult, ...]
+    laws: Laws
     is_exact: bool
 
 
@@ -85,7 +86,7 @@ class SegmentLaws:
         self._motion = scenario.exact_motion()
         self._limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
         self._mass_centre = scenario.mass_centre()
-        self._largest = dict[str, float]()
+        self._largest = LargestSoFar()
         self._slack = PATH_ERROR if scenario.path() else 0.0
         laws = _LAWS[:-_OF_MECHANICS] if scenario.path() else _LAWS
         self._tallies = [LawTally(*law, watch=watch) for law in laws]
@@ -114,7 +115,7 @@ class SegmentLaws:
         elapsed_ns = stamps_ns - self._segment.start_ns
         exact = self._motion.at(elapsed_ns)
         angle, _ = _angle_and_cosine(exact.attitude_xyzw, attitude_xyzw)
-        speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
+        speeds = self._largest.with_more("body rate", vectors.norm(exact.body_rate))
         return self._attitude(angle, speeds, elapsed_ns), self._place(position, self._mass_centre.at(elapsed_ns))
 
     def _attitude(self, angle: Array, speeds: Array, elapsed_ns: Integers) -> _Judged:
@@ -122,13 +123,13 @@ class SegmentLaws:
         return angle + closed_form_error(speeds, elapsed_ns), self._limit
 
     def _place(self, position: Array, centre: MassCentre) -> _Judged:
-        distance = self._largest_so_far("position", vectors.norm(centre.position))
+        distance = self._largest.with_more("position", vectors.norm(centre.position))
         return vectors.norm(position - centre.position), TRANSLATION_ERROR * distance + self._slack
 
     def _attitude_and_rate(self, recorded: State, norm: Array, exact: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Attitude and rate, and the norm and the sign of the quaternions, which are recorded with that norm."""
         angle, cosine = _angle_and_cosine(exact.attitude_xyzw, recorded.attitude_xyzw)
-        speeds = self._largest_so_far("body rate", vectors.norm(exact.body_rate))
+        speeds = self._largest.with_more("body rate", vectors.norm(exact.body_rate))
         yield self._attitude(angle, speeds, elapsed_ns)
         # a rest between kicks is exact by every method: any other rate is infinitely far; one on a path is computed
         speeds[~exact.body_rate.any(axis=1)] *= self._slack > 0.0
@@ -142,21 +143,15 @@ class SegmentLaws:
         self._is_exact &= same_bits(recorded.position, centre.position)
         self._is_exact &= same_bits(recorded.body_velocity, velocity)
         yield self._place(recorded.position, centre)
-        speed = self._largest_so_far("velocity", vectors.norm(velocity))
+        speed = self._largest.with_more("velocity", vectors.norm(velocity))
         yield vectors.norm(recorded.body_velocity - velocity), (TRANSLATION_ERROR + self._limit) * speed + self._slack
 
     def _energy_and_momentum(self, recorded: State, elapsed_ns: Integers) -> Iterator[_Judged]:
         """Changes since the begin of each sample's arc."""
         changes = arc_changes(self._segment.scenario, elapsed_ns, recorded)
         for name, (change, wanted) in zip(("energy", "momentum"), changes, strict=True):
-            largest = self._largest_so_far(name, np.linalg.norm(wanted, axis=1))
+            largest = self._largest.with_more(name, np.linalg.norm(wanted, axis=1))
             yield _relative(np.linalg.norm(change, axis=1), largest), np.inf
-
-    def _largest_so_far(self, name: str, sizes: Array) -> Array:
-        """The largest of some sizes up to each sample, so that one pass through the bag is enough."""
-        largest = np.maximum(np.maximum.accumulate(sizes), self._largest.get(name, 0.0))
-        self._largest[name] = float(largest[-1])
-        return largest
 
     def results(self) -> SegmentResults:
         """Results of the laws, after all samples of the segment."""

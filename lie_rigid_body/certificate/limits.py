@@ -34,6 +34,16 @@ _EXACT_STEPS: Final = 1e-12
 _STEPS: Final = 1e-7
 
 
+class LargestSoFar(dict[str, float]):
+    """The largest of the sizes of several quantities, so that one pass through a bag is enough."""
+
+    def with_more(self, name: str, sizes: Array) -> Array:
+        """The largest size of a quantity up to each of its next samples."""
+        largest = np.maximum(np.maximum.accumulate(sizes), self.get(name, 0.0))
+        self[name] = float(largest[-1])
+        return largest
+
+
 def closed_form_error(speeds: Array, elapsed_ns: Integers) -> Array:
     """Bound of the closed form's error beyond `CLOSED_FORM_ERROR`, rad: 0 up to 5e15 rad.
 

@@ -11,7 +11,7 @@ from lie_rigid_body.certificate.certification import Certificate
 from lie_rigid_body.certificate.limits import max_attitude_error
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import AnyBag
 from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.simulation import Segment
 
@@ -31,27 +31,27 @@ class ProvedSample:
     stamp_ns : int
     time_s : float
         Since the segment's start, s.
-    at_least, at_most : float
-        Bounds of the angle between the recorded attitude and the true one, rad.
-    rate_at_most : float
-        Bound of the distance of the recorded body rate from the true one, rad/s.
-    limit : float
-        Limit of the attitude error at this sample in the certificate, rad.
+    attitude_at_least_rad, attitude_at_most_rad : float
+        Bounds of the angle between the recorded attitude and the true one.
+    attitude_limit_rad : float
+        Limit of the attitude error at this sample in the certificate.
+    body_rate_at_most_rad_s : float
+        Bound of the distance of the recorded body rate from the true one.
     """
 
     segment: int
     sample: int
     stamp_ns: int
     time_s: float
-    at_least: float
-    at_most: float
-    rate_at_most: float
-    limit: float
+    attitude_at_least_rad: float
+    attitude_at_most_rad: float
+    attitude_limit_rad: float
+    body_rate_at_most_rad_s: float
 
     @property
     def holds(self) -> bool:
         """Whether the true error may be within the limit."""
-        return self.at_least <= self.limit
+        return self.attitude_at_least_rad <= self.attitude_limit_rad
 
 
 @short_dataclass
@@ -70,8 +70,8 @@ class Proof:
         """The sample farthest beyond its limit, or if there is none the one with the largest bound."""
         broken = [sample for sample in self.samples if not sample.holds]
         if broken:
-            return max(broken, key=lambda sample: sample.at_least / sample.limit)
-        return max(self.samples, key=lambda sample: sample.at_most, default=None)
+            return max(broken, key=lambda sample: sample.attitude_at_least_rad / sample.attitude_limit_rad)
+        return max(self.samples, key=lambda sample: sample.attitude_at_most_rad, default=None)
 
 
 def require_count(count: int) -> None:
@@ -90,7 +90,7 @@ def require_count(count: int) -> None:
 
 
 def prove(
-    bag: Bag | Recording,
+    bag: AnyBag,
     certificate: Certificate,
     count: int,
     max_attitude: float | None = None,
@@ -145,6 +145,6 @@ def _prove_samples(number: int, segment: Segment, chosen: Block, max_attitude: f
             stamp_ns,
             (stamp_ns - segment.start_ns) * 1e-9,
             *truth.attitude_error(chosen.states.attitude_xyzw[i]),
-            truth.rate_error(chosen.states.body_rate[i])[1],
             limit,
+            truth.rate_error(chosen.states.body_rate[i])[1],
         )

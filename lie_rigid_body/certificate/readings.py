@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.certificate.limits import max_attitude_error
+from lie_rigid_body.certificate.limits import LargestSoFar, max_attitude_error
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.signal import Converter, Signal
@@ -46,9 +46,9 @@ class Expected:
 
     signal: Array
     uncertainty: Array
-    converter: Converter = _CONTINUOUS
+    converter: Converter
 
-    def __getitem__(self, rows: slice | Integers) -> Expected:
+    def __getitem__(self, rows: Integers) -> Expected:
         return Expected(self.signal[rows], self.uncertainty[rows], self.converter)
 
     @cached_property
@@ -117,7 +117,7 @@ class Replay:
     def __init__(self, segment: Segment, name: str, max_attitude: float | None = None) -> None:
         limit = max_attitude_error(segment.scenario) if max_attitude is None else max_attitude
         self._relative_error = max(limit, MIN_READING_ERROR)
-        self._largest = dict[str, float]()
+        self._largest = LargestSoFar()
         self._measurement = Measurement(segment, name, segment.scenario.exact_motion())
         self._blocks = deque[ReplayedBlock](maxlen=_KEPT_BLOCKS)
 
@@ -147,8 +147,7 @@ class Replay:
         """Expected readings of a signal, with their uncertainty."""
         values = signal.values.reshape(len(signal.values), -1)
         sizes = np.sqrt(np.einsum("ij,ij->i", values, values))
-        largest = np.maximum(np.maximum.accumulate(sizes), self._largest.get(name, 0.0))
-        self._largest[name] = float(largest[-1])
+        largest = self._largest.with_more(name, sizes)
         turn = 1.0 / signal.interval if signal.interval else 0.0
         uncertainty = self._relative_error * (largest + turn)
         return Expected(values, uncertainty[:, np.newaxis], signal.converter or _CONTINUOUS)

@@ -11,7 +11,7 @@ import json
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 
-from lie_rigid_body.certificate.law_result import LawResult, Watch
+from lie_rigid_body.certificate.law_result import LawResult, Laws, Watch
 from lie_rigid_body.certificate.sensor_topics import SegmentSensor, value_laws
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
@@ -19,7 +19,7 @@ from lie_rigid_body.certificate.told_faults import FAULT_LAW, FaultLaw
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, SENSOR_TOPICS, sensor_topics
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import AnyBag
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.segments import PlacedMessages, SensorClocks
 from lie_rigid_body.recording.topic_messages import OfSensor, TopicMessages
@@ -49,9 +49,9 @@ class SensorFindings:
         Whether all readings were compared, and are equal to the replayed ones, to the bit.
     """
 
-    laws: tuple[tuple[LawResult, ...], ...]
+    laws: tuple[Laws, ...]
     notes: tuple[tuple[str, ...], ...]
-    whole: tuple[LawResult, ...]
+    whole: Laws
     topics: tuple[str, ...]
     not_certified: tuple[str, ...]
     log_time_mismatches: int
@@ -66,18 +66,18 @@ class SensorLaws:
     bag : Bag or Recording
     segments : sequence of Segment
         All that the bag declares, in the order of their starts.
-    watch : Watch, optional
+    watch : Watch or None
         It is told of the residuals of all readings that are compared.
-    max_attitude : float, optional
+    max_attitude : float or None
         Limit of the attitude's error, rad, in place of that of the declared motion.
     """
 
     def __init__(
         self,
-        bag: Bag | Recording,
+        bag: AnyBag,
         segments: Sequence[Segment],
-        watch: Watch | None = None,
-        max_attitude: float | None = None,
+        watch: Watch | None,
+        max_attitude: float | None,
     ) -> None:
         self._bag = bag
         self._segments = segments
@@ -180,7 +180,7 @@ class SensorLaws:
             all(topic.is_exact for topic in topics),
         )
 
-    def _of_segments(self, sampled: list[int], notes: dict[int, list[str]]) -> dict[int, tuple[LawResult, ...]]:
+    def _of_segments(self, sampled: list[int], notes: dict[int, list[str]]) -> dict[int, Laws]:
         """The laws of each segment by its place, and notes about them; those of some places have samples."""
         begun = set[str]()
         found = {}
@@ -254,7 +254,7 @@ class SensorLaws:
         """Time until which a whole bag has everything, ns; one that was cut off may lack part of its last time."""
         return max(self._last_sent_ns, self._truth_ns) - self._bag.lacks_end
 
-    def _of_bag(self) -> tuple[LawResult, ...]:
+    def _of_bag(self) -> Laws:
         """The laws of what belongs to no segment, and of the messages about faults."""
         laws = list[LawResult]()
         for name, clocks in self._clocks.items():
@@ -295,7 +295,7 @@ class SensorLaws:
                 yield f"messages about faults that come again: {faults.repeated}"
 
 
-def other_software(bag: Bag | Recording) -> str | None:
+def other_software(bag: AnyBag) -> str | None:
     """First software other than this one that a scenario of a bag names."""
     found = (json.loads(text).get("software") for _, text in bag.scenario_texts)
     return next((str(software) for software in found if software != LIBRARY), None)

@@ -213,7 +213,7 @@ class StampTally:
     def _take_grid(self, found: Integers, stamps_ns: Integers) -> None:
         off = np.abs(stamps_ns - grid(self._clock, found))
         self._off += int(np.count_nonzero(off))
-        i = int(off.argmax())
+        i = off.argmax()
         if off[i] > self._farthest:
             self._farthest = int(off[i])
             self._worst = (int(found[i]), int(stamps_ns[i]))

@@ -12,7 +12,7 @@ from lie_rigid_body.certificate.stamps import StampTally, stamp_law
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import AnyBag
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
     declared_segments,
@@ -157,8 +157,24 @@ class Survey:
     counts: Counts
 
 
-def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Survey:
+def survey(bag: AnyBag) -> Survey:
     """Read a bag once, and find its segments, at least one of which has a sample with pose and twist.
+
+    Raises
+    ------
+    BagError
+        If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
+    ParameterError
+        If a declared scenario is impossible.
+    """
+    surveyor = Surveyor(bag)
+    for _ in surveyor.samples():
+        pass
+    return surveyor.result()
+
+
+class Surveyor:
+    """A survey of a bag that is made while the samples pass. See `survey` for errors.
 
     Parameters
     ----------
@@ -166,29 +182,13 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
 
-    Raises
-    ------
-    BagError
-        If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
-    ParameterError
-        If a declared scenario or the given inertia is impossible.
-    """
-    surveyor = Surveyor(bag, inertia)
-    for _ in surveyor.samples():
-        pass
-    return surveyor.result()
-
-
-class Surveyor:
-    """A survey of a bag that is made while the samples pass. See `survey` for parameters and errors.
-
     Attributes
     ----------
     segments : tuple of Segment
         All that the bag declares, in the order of their starts.
     """
 
-    def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
+    def __init__(self, bag: AnyBag, inertia: Sequence[float] | None = None) -> None:
         declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag = bag
         self._own = bag.is_original
@@ -237,5 +237,5 @@ def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
         return segment
     if segment.scenario.motion == "path":
         raise InputError("the motion is prescribed by a path, to which no inertia belongs: leave the inertia out")
-    parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
+    parameters = {**segment.scenario.parameters(), "inertia": list(inertia)}
     return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))

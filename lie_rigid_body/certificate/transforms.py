@@ -7,16 +7,16 @@ from functools import cache
 
 import numpy as np
 
-from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
+from lie_rigid_body.certificate.law_result import Laws, LawTally, Watch
 from lie_rigid_body.certificate.laws import SegmentLaws
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import AnyBag, Bag
 from lie_rigid_body.recording.segments import segment_parts
 from lie_rigid_body.simulation import Segment
 
 
 def transforms(
-    bag: Bag | Recording, segments: Sequence[Segment], max_attitude: float | None, watch: Watch | None
-) -> tuple[tuple[LawResult, ...], list[str]]:
+    bag: AnyBag, segments: Sequence[Segment], max_attitude: float | None, watch: Watch | None
+) -> tuple[Laws, list[str]]:
     """The laws of the transforms of the body, if there are some, and what else is in their topic, in words.
 
     Transforms before the first segment belong to none.

@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 
-from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.law_result import LawResult, Laws
 from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import AnyBag
 
 
-def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[LawResult, ...]:
+def laws(bag: AnyBag, surveyed: Survey, sensors: SensorFindings) -> Laws:
     """The laws of a bag: declared frames, scenarios that agree, log times and the count of samples.
 
     And those of its sensors that are of no segment with samples.
@@ -48,7 +48,7 @@ def _frames(surveyed: Survey) -> LawResult:
     return LawResult.of_faults("frames", len(others), message)
 
 
-def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
+def _declaration_faults(bag: AnyBag, surveyed: Survey) -> Iterator[str]:
     """Faults of the scenarios of a bag.
 
     Resets may not be at a sample of the clock before, or their clock neither goes on nor begins anew. The type of the
@@ -69,7 +69,7 @@ def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]
         yield f"a scenario declares stamped_twist {str(not bag.stamped).lower()}, the twists are otherwise"
 
 
-def not_certified(bag: Bag | Recording, surveyed: Survey, uncovered: Iterable[str]) -> tuple[str, ...]:
+def not_certified(bag: AnyBag, surveyed: Survey, uncovered: Iterable[str]) -> tuple[str, ...]:
     """Parts of a bag that are not certified, in words: those that any bag has, and those that are `uncovered`."""
     has_sensors = any(segment.scenario.has_sensors for segment in surveyed.declared)
     motions = {segment.scenario.motion for segment in surveyed.declared}
@@ -86,7 +86,7 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, uncovered: Iterable[st
 
 
 def uncovered(
-    bag: Bag | Recording, surveyed: Survey, of_topics: Iterable[str], inertia: Sequence[float] | None = None
+    bag: AnyBag, surveyed: Survey, of_topics: Iterable[str], inertia: Sequence[float] | None = None
 ) -> tuple[str, ...]:
     """Parts of a bag that are not certified, though a bag as its scenarios determine it has no such parts.
 
@@ -115,7 +115,7 @@ def uncovered(
     )
 
 
-def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
+def _ends(bag: AnyBag, surveyed: Survey) -> Iterator[str]:
     if not surveyed.is_original:
         yield "log times: a recorder's"
         yield "what came before its first sample"

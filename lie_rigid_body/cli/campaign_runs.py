@@ -42,7 +42,7 @@ def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
     campaign = Campaign.from_file(given.campaign)
     named = [word for one in campaign.estimator_specs.values() for word in words(one.command or "")]
-    require_outputs({"report": given.report}, [given.campaign, *named], overwrite=given.force)
+    require_outputs(given, [given.campaign, *named], "report")
     if not Results.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
     if campaign.estimator_specs:
@@ -247,7 +247,7 @@ def _table(campaign: Campaign, rows: Sequence[Row]) -> Table:
             for row in rows
         ],
         "Runs",
-        {number for number, row in enumerate(rows) if not row.certified},
+        [not row.certified for row in rows],
     )
 
 

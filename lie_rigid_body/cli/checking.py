@@ -44,7 +44,7 @@ def check(given: argparse.Namespace) -> int:
     judged = partial(certify, inertia=inertia, max_attitude=max_attitude)
     files = (file for bag in given.bags for file in files_of(bag))
     is_one = len(given.bags) == 1 and not _is_folder_of_bags(given.bags[0])
-    require_outputs({"json": given.json, "report": given.report}, files, overwrite=given.force, with_film=is_one)
+    require_outputs(given, files, "json", "report", with_film=is_one)
     if not is_one:
         _refuse_proof(given)
         return _answer(given, judge_all(_bags_of(given.bags), judged, topics))
@@ -69,11 +69,10 @@ def check(given: argparse.Namespace) -> int:
         proved = prove(first, certificate, given.prove, max_attitude)
         proof = Proof(tuple(console.progress(proved, unit=" samples")))
     return emit(
+        given,
         {given.report: lambda: certificates.page(name, certificate, residuals, pieces, proof)},
         lambda: certificates.as_table(name, certificate, proof),
         lambda: certificates.as_json(name, certificate, proof),
-        as_json=given.json,
-        overwrite=given.force,
         passed=certificate.passed and (proof is None or proof.passed),
     )
 
@@ -128,11 +127,10 @@ def _answer(given: argparse.Namespace, verdicts: Verdicts) -> int:
             console.complain(console.program("check"), verdict.reason)
     path = given.report if any(verdict.certificate for verdict in verdicts) else None
     emit(
+        given,
         {path: lambda: page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
         lambda: as_table(verdicts),
         lambda: as_json(verdicts),
-        as_json=given.json,
-        overwrite=given.force,
     )
     return max(verdict.status for verdict in verdicts)
 
@@ -168,7 +166,7 @@ def judge(judged: Judged, topics: Mapping[str, str], bag: str) -> list[Verdict]:
         return [_unusable(bag, None, error)]
 
 
-def judge_bodies(bag: str, bodies: Mapping[str, Bag | BagError], judged: Judged = certify) -> list[Verdict]:
+def judge_bodies(bag: str, bodies: Mapping[str, Bag | BagError], judged: Judged) -> list[Verdict]:
     """Judge the bodies of a bag, as `Bag.all_of` finds them; what is wrong with one is its verdict."""
     return [_of_body(bag, name if len(bodies) > 1 else None, found, judged) for name, found in bodies.items()]
 

@@ -67,9 +67,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.scenario.parameter_file import gather
 
-    require_outputs(
-        {"json": given.json, "report": given.report}, [*given.params_file, *named_by(given)], overwrite=given.force
-    )
+    require_outputs(given, [*given.params_file, *named_by(given)], "json", "report")
     chosen = gather(given.scenario, given.params_file, ())
     parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:
@@ -84,11 +82,10 @@ def main(given: argparse.Namespace) -> int:
         )
     parts = parts_of_diagnosis(found)
     status = emit(
+        given,
         {given.report: lambda: as_page(f"Diagnosis of {name}", parts)},
         lambda: as_text(parts),
         found.to_dict,
-        as_json=given.json,
-        overwrite=given.force,
         passed=found.passed,
     )
     if found.interrupted:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
@@ -29,7 +28,7 @@ _NO_WORD: Final = re.compile(r"\W+", re.ASCII)
 @console.run
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = parse(sys.argv[1:] if argv is None else argv)
+    given = parse(argv)
     if given.run is None:
         raise InputError(f"no bag is given: give one; without, '{console.program('evaluate')}' follows topics of ROS 2")
     require_room(given)

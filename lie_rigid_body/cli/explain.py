@@ -137,7 +137,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.scenario.facts import beyond_rotation
     from lie_rigid_body.scenario.parameter_file import scenario_files
 
-    require_outputs({"json": given.json}, given.params_file, overwrite=given.force)
+    require_outputs(given, given.params_file, "json")
     if given.name is not None and given.scenario is not None:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
     name = given.scenario = given.scenario or given.name
@@ -156,11 +156,10 @@ def main(given: argparse.Namespace) -> int:
         parts = _parts(scenario, description)
         data = {**asdict(description), "conserved": _conserved(description), **beyond_rotation(scenario)}
     return emit(
+        given,
         {},
         lambda: as_text([*parts, *_other_parts(scenario)], title),
         lambda: {"parameters": scenario.parameters(), **data},
-        as_json=given.json,
-        overwrite=given.force,
     )
 
 
@@ -270,7 +269,7 @@ def _conserved(description: Description) -> list[dict[str, Any]]:
     """Quantities that the symmetries of the motion conserve, each with its values, their unit, and the reason."""
     body = "angular momentum in the body"
     along = description.conserved_body_momenta
-    found: dict[str, tuple[Vector, str, str]] = {
+    found = {
         "kinetic energy": ((description.kinetic_energy_j,), "J", "time"),
         "angular momentum in the world, all components": (description.world_momentum_kg_m2_s, "kg m²/s", "space"),
     }

@@ -42,9 +42,8 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.runs import Run
 
-    outputs = {"json": given.json, "report": given.report, "parameters": given.parameters, "out": given.out}
     inputs = [file for file in (given.log, given.truth) if file is not None]
-    require_outputs(outputs, inputs, overwrite=given.force, suffixes={"out": ".csv"})
+    require_outputs(given, inputs, "json", "report", "parameters", "out", suffixes={"out": ".csv"})
     run = Run.from_log(
         given.log,
         truth=given.truth,
@@ -56,6 +55,7 @@ def main(given: argparse.Namespace) -> int:
     parts = parts_of_inspection(found)
     title = f"Inspection of {printable(given.log)}"
     return emit(
+        given,
         {
             given.report: lambda: as_page(title, parts),
             given.parameters: lambda: parameters_of(found.sensors, printable(given.log)),
@@ -63,7 +63,5 @@ def main(given: argparse.Namespace) -> int:
         },
         lambda: as_text(found),
         found.to_dict,
-        as_json=given.json,
-        overwrite=given.force,
         passed=found.passed,
     )

@@ -46,9 +46,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.system.portable import cores
 
-    require_outputs(
-        {"json": given.json, "report": given.report}, [*given.others, *named_by(given)], overwrite=given.force
-    )
+    require_outputs(given, [*given.others, *named_by(given)], "json", "report")
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
     require_names([*([name] if estimate else []), *(row.name for row in (*own, *reference().rows))])
@@ -62,6 +60,7 @@ def main(given: argparse.Namespace) -> int:
     table = reference().with_rows(own)
     parts = parts_of_league(table, own)
     return emit(
+        given,
         {given.report: lambda: as_page(f"League of attitude filters {EDITION}", parts)},
         lambda: as_text(parts),
         lambda: {
@@ -69,6 +68,4 @@ def main(given: argparse.Namespace) -> int:
             "rows": [row.to_json(table) for row in (own[:1] if estimate else table.rows)],
             "cases": [{"name": name, "hash": digest} for name, digest in table.readings.items()],
         },
-        as_json=given.json,
-        overwrite=given.force,
     )

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 from lie_rigid_body.command_line import TOPIC_OPTION, argument, file_name, require_suffix, topic_names, verb
 from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system import console
-from lie_rigid_body.system.output_file import require_room
+from lie_rigid_body.system.output_file import require_room, write_file
 
 
 @verb(
@@ -39,15 +41,14 @@ def main(given: argparse.Namespace) -> int:
 
     from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.report.drawing import png
-    from lie_rigid_body.report.outputs import emit
     from lie_rigid_body.report.recorded_motion import recorded_segments
 
     with console.progress_of_bags([given.bag]) as bar:
         pieces = recorded_segments(Bag(given.bag, bar.update, topics))
 
-    def picture() -> bytes:
-        from lie_rigid_body.report.recording_picture import draw  # only now: it loads Matplotlib
+    os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
+    from lie_rigid_body.report.recording_picture import draw  # only now: it loads Matplotlib
 
-        return png(lambda: draw(pieces))
-
-    return emit({out: picture}, overwrite=given.force)
+    write_file(out, png(lambda: draw(pieces)), overwrite=given.force)
+    console.say(f"wrote {printable(out)}", done=f"{out} is written")
+    return console.SUCCESS

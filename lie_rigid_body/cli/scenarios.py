@@ -20,8 +20,8 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 
-    require_outputs({"json": given.json}, (), overwrite=given.force)
-    entries: list[dict[str, Any]] = [
+    require_outputs(given, (), "json")
+    entries = [
         {
             "name": name,
             "description": describe(path),
@@ -30,9 +30,7 @@ def main(given: argparse.Namespace) -> int:
         }
         for name, path in scenario_files().items()
     ]
-    return emit(
-        {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries, as_json=given.json, overwrite=given.force
-    )
+    return emit(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
 
 
 def describe(path: Path) -> str:

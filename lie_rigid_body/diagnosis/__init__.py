@@ -5,7 +5,7 @@ and the repair that makes the error vanish names the mistake.
 
 - `course`: the motions, and what sensors read of them;
 - `repairs`: changes of the readings; `outputs`: those of the estimate; `answers`: what a filter answers with them;
-- `search`: which repairs are tried; `trials`: the one rule by which they are chosen;
+- `filter_runs`: runs of the filter with repairs; `search`: which repairs are tried; `trials`: the rule that chooses;
 - `situations`: where the filter is right, if no repair explains its error;
 - `probes`: what the filter can do, with one thing at a time in its way; `probing`: how a probe is run;
 - `examination`: all of it in order; `filter_diagnosis`: what is said.

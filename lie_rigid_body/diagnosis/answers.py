@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -25,11 +26,11 @@ from lie_rigid_body.lie import quaternion
 ALIKE: Final = 0.25
 """Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not
 begin with its readings."""
-STILL: Final = float(np.radians(0.01))
+STILL: Final = math.radians(0.01)
 """Largest change of the mean answer from one second at rest to the next, rad, of a filter that has settled."""
 CALM: Final = 5
 """Number of such seconds after which it has settled."""
-MAX_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
+MAX_NORM: Final = math.sqrt(np.finfo(np.float64).max)
 """Norm of a quaternion from which its square is beyond float64."""
 
 

@@ -19,7 +19,7 @@ from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
 from lie_rigid_body.evaluation.causes import UP
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.parameters import NS, Vector
+from lie_rigid_body.foundation.parameters import NS, Given, Vector
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
@@ -51,7 +51,7 @@ MARGIN: Final = 64
 
 RATE: Final = 100.0
 """Readings a second, where a scenario tells no rate."""
-COURSE_MOTIONS: Final[tuple[dict[str, object], ...]] = (
+COURSE_MOTIONS: Final = (
     {
         "inertia": [1.0, 2.0, 3.0],
         "initial_attitude_xyzw": [0.1, -0.2, 0.3, 0.9273618495495704],
@@ -312,7 +312,7 @@ def _stamps(course: Course, rate: float) -> Integers:
     return np.round(grids[course.grid] * (1e9 / rate)).astype(np.int64)
 
 
-def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple[Course, ...]:
+def courses_of(given: Given, said: Collection[str] = ()) -> tuple[Course, ...]:
     """The ordinary courses, with an integrated gyro.
 
     Parameters
@@ -352,7 +352,7 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
     return courses
 
 
-def noise_of(given: Mapping[str, object]) -> dict[str, float] | None:
+def noise_of(given: Given) -> dict[str, float] | None:
     """Densities of the noise that parameters give, by a grade of sensors or one by one; None where they give none.
 
     Raises

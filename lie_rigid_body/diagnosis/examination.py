@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import replace
@@ -14,10 +15,11 @@ import numpy as np
 from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import NOISE, TINY, courses_of, noise_of
 from lie_rigid_body.diagnosis.filter_diagnosis import ErrorOverTime, FilterDiagnosis, Mistake, Note, degrees
+from lie_rigid_body.diagnosis.filter_runs import MAX_REST
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES
 from lie_rigid_body.diagnosis.probing import Probe, in_degrees, told
 from lie_rigid_body.diagnosis.repairs import HALVED, JOINT, ORDER
-from lie_rigid_body.diagnosis.search import MAX_REST, Search
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.diagnosis.situations import Situation, common, situations
 from lie_rigid_body.diagnosis.trials import NEAR, Trial
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
@@ -25,6 +27,7 @@ from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.causes import or_else
 from lie_rigid_body.evaluation.matched import error_of
 from lie_rigid_body.foundation.arrays import whole_number
+from lie_rigid_body.foundation.parameters import Given
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.system.portable import MAX_PROCESSES, cores
@@ -48,19 +51,19 @@ _FREE_FALL: Final = (
     "gravity, unless the parameter gravity is 0."
 )
 """First sentence about a scenario in which bodies have no weight."""
-TOLD: Final = float(np.radians(1e-3))
+TOLD: Final = math.radians(1e-3)
 """Least difference between the errors of two kinds of gyro that a note tells, rad."""
 
 
 def diagnose(
     estimate: Estimator | str,
     *,
-    scenario: str | Path | Scenario | Mapping[str, object] | None = None,
+    scenario: str | Path | Scenario | Given | None = None,
     workers: int | None = None,
     max_runs: int | None = None,
     timeout: float = TIMEOUT_S,
     progress: Callable[[int], object] | None = None,
-    parameters: Mapping[str, object] | None = None,
+    parameters: Given | None = None,
     **named: object,
 ) -> FilterDiagnosis:
     """Find the mistakes of an attitude filter by repairs of its input and output, and probe what it can do.
@@ -157,7 +160,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         (*_notes(search), *notes),
         search.runs,
         errors[0].rms_deg if errors else search.unrepaired.error_deg,
-        float(np.degrees(search.floor)),
+        math.degrees(search.floor),
         tuple(_headline(search, found, probes)),
         tuple(found),
         (*remarks, *_remarks(search, mistakes)),
@@ -199,7 +202,7 @@ def _headline(search: Search, found: list[Situation], probes: Sequence[Probe]) -
             f"Most helps {repair.code} ({repair.text}), which leaves {degrees(helpful.error_deg)} of "
             f"{degrees(unrepaired.error_deg)}: it explains a part alone."
         )
-    if found and (said := common(found, float(np.degrees(search.floor)))):
+    if found and (said := common(found, math.degrees(search.floor))):
         yield said
 
 
@@ -227,7 +230,7 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
                 repairs[-1].code if repairs else "",
                 tracks[0].stamps_ns / 1e9,
                 np.degrees(tracks[0].error().total),
-                float(np.degrees(error_of([track.fraction() for track in tracks]))),
+                math.degrees(error_of([track.fraction() for track in tracks])),
             )
 
 
@@ -278,7 +281,7 @@ def _notes(search: Search) -> Iterator[Note]:
             "chatters",
             f"Its answer at rest moves, or two runs with nearly equal readings differ, by "
             f"{in_degrees(search.chatter)}. That does not grow, as where each correction has a fixed length.",
-            float(np.degrees(search.chatter)),
+            math.degrees(search.chatter),
         )
     if search.needs_noise:
         yield Note(
@@ -295,7 +298,7 @@ def _notes(search: Search) -> Iterator[Note]:
     if JOINT in chosen.repairs and without > max(search.floor, NEAR * chosen.error):
         ahead = f"its estimate is ahead by up to a sample, {in_degrees(without)}"
         left = f"{JOINT.deed} {degrees(chosen.error_deg)} are left."
-        yield Note(JOINT.code, f"{JOINT.fact}: {ahead}. {left}", float(np.degrees(without)))
+        yield Note(JOINT.code, f"{JOINT.fact}: {ahead}. {left}", math.degrees(without))
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
         yield Note(

@@ -22,7 +22,7 @@ CONSTANT: Final = 0.95
 OF_VECTOR: Final = [P for P in SIGNED_PERMUTATIONS[1:] if np.trace(P) > -3.0]
 """Permutations with signs of the vector part of a quaternion, but the inverse."""
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
-ORDERS: Final[tuple[Order, ...]] = get_args(Order)
+ORDERS: Final = get_args(Order)
 """Orders of rotations about axes of the body, the usual one first."""
 COMPOSED: Final = [
     each for each in product(ORDERS, ORDERS, product((1.0, -1.0), repeat=3)) if each[0] != each[1] or min(each[2]) < 0.0
@@ -34,14 +34,14 @@ def _angles(track: Matched, order: Order) -> Array:
     """Angles of rotations about axes of the body, in an order, shape (N, 3), rad."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
-        return np.asarray(scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(order))
+        return scipy.spatial.transform.Rotation.from_quat(track.attitude_xyzw).as_euler(order)
 
 
 def _recomposed(angles: Array, chosen: float) -> Array:
     """Attitudes, (N, 4), of angles in a wrong order, (N, 3), by a row of `COMPOSED`."""
     wrong, right, signs = COMPOSED[int(chosen)]
     sorted_angles = angles[:, [wrong.index(axis) for axis in right]]
-    return np.asarray(scipy.spatial.transform.Rotation.from_euler(right, sorted_angles * signs).as_quat())
+    return scipy.spatial.transform.Rotation.from_euler(right, sorted_angles * signs).as_quat()
 
 
 def _best_composed(tracks: MatchedRuns) -> list[Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
@@ -10,6 +11,7 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.diagnosis.course import HOLD, REST, TURN, Course, Headings, readings
+from lie_rigid_body.diagnosis.filter_runs import UNJUDGED
 from lie_rigid_body.diagnosis.noise_probes import covariance, first_given, noise, of_single_sets
 from lie_rigid_body.diagnosis.probing import (
     Courses,
@@ -20,7 +22,7 @@ from lie_rigid_body.diagnosis.probing import (
     tolerated,
     worst,
 )
-from lie_rigid_body.diagnosis.search import UNJUDGED, Search
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.diagnosis.trials import NEAR
 from lie_rigid_body.evaluation.remarks import NOT_UNIT, Turns
 from lie_rigid_body.evaluation.statistics import rms
@@ -28,7 +30,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.lie.vectors import norm
 
-GYRO_BIAS: Final = float(np.radians(1.0))
+GYRO_BIAS: Final = math.radians(1.0)
 """Size of a constant error of the gyro, rad/s."""
 BIAS: Final = GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])
 """That error on each axis, rad/s."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import NamedTuple
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from lie_rigid_body.diagnosis.answers import Answer
 from lie_rigid_body.diagnosis.course import Course
-from lie_rigid_body.diagnosis.search import UNJUDGED, Search
+from lie_rigid_body.diagnosis.filter_runs import UNJUDGED
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.diagnosis.trials import NEAR
 from lie_rigid_body.foundation.errors import FilterError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -104,7 +106,7 @@ def with_unit(value: float, unit: str = "°") -> str:
 
 def in_degrees(angle_rad: float) -> str:
     """An angle in degrees with three digits."""
-    return with_unit(float(np.degrees(angle_rad)))
+    return with_unit(math.degrees(angle_rad))
 
 
 def limited(said: str, value: float, most: float, beside: str = "", unit: str = "°") -> Judged:

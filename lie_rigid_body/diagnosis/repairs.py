@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field, replace
 from functools import partial
@@ -20,7 +21,7 @@ HALVED: Final = 0.5
 """Largest share of the error that a repair may leave if it brings the error below the floor."""
 SENSOR_READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Names of the readings of each sensor, by the sensor's name in codes."""
-PERTURBED: Final = float(np.radians(2.0))
+PERTURBED: Final = math.radians(2.0)
 """Angle by which the readings of a sensor are rotated to see whether a filter hears it, rad."""
 SCALE: Final = 0.02
 """Distance from 1 up to which a factor of the gyro is a property of the filter."""

@@ -5,17 +5,18 @@ Repairs of the output are tried first, then single repairs of the input, then pa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain, islice, product
-from typing import Any, Final
+from itertools import product
+from typing import Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.diagnosis.answers import CALM, Answer, Job, first_attitude
-from lie_rigid_body.diagnosis.course import GYRO_KINDS, MOVING, NOISE, Course
+from lie_rigid_body.diagnosis.answers import first_attitude
+from lie_rigid_body.diagnosis.course import NOISE, Course
+from lie_rigid_body.diagnosis.filter_runs import FIRST_REST, UNJUDGED, FilterRuns
 from lie_rigid_body.diagnosis.outputs import CODED, OUTPUTS, without
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
@@ -31,30 +32,12 @@ from lie_rigid_body.diagnosis.repairs import (
     perturbed,
     scaled,
 )
-from lie_rigid_body.diagnosis.trials import MENDED, NEAR, UNCHANGED, Trial, alone, choose, most_promising, plain
+from lie_rigid_body.diagnosis.trials import MENDED, NEAR, UNCHANGED, Trial, alone, most_promising, plain
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
-from lie_rigid_body.evaluation.matched import error_of
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.foundation.errors import FilterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.sensors import GRADES
 
-FLOOR: Final = 0.1
-"""Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
-FIRST_REST: Final = 8.0
-"""Rest that a filter is given at first to settle, s."""
-MAX_REST: Final = 300.0
-"""Longest rest that it is given, s."""
-SCREENED_REST: Final = 25.0
-"""Longest rest before the short motion on which repairs are compared at first, s."""
-MAX_UPDATES: Final = 410_000
-"""Readings of the gyro after which no more pairs are tried; situations and probes take up to 190 000 more."""
-UNPROBED: Final = 50_000
-"""Readings that may be more where the error is above `UNJUDGED`, so that most probes are not judged."""
-MAX_UPDATES_SETTLING: Final = 1_600_000
-"""Readings after which no more are tried of a filter that needs more than `CALM` seconds to settle."""
-UNJUDGED: Final = float(np.radians(20.0))
-"""Error of the filter, rad, above which a factor of the gyro near 1 explains nothing, and probes say nothing."""
 SCALES: Final = (1e-6, 1e-4, 1e-2, 1.0)
 """Factors of the gyro with which turns of the estimate are compared with those of the body."""
 STEP: Final = 1.2
@@ -63,10 +46,6 @@ FINE: Final = 1.05
 """Factor around that in which it is fitted once more, on an ordinary course."""
 ASIDE: Final = quaternion.exp(np.radians([0.06, -0.08, 0.1]))
 """Quaternion by which a body begins beside the first attitude of a filter, where some filters fail."""
-SCREENED_S: Final = 4.0
-"""Length of the motion on which repairs are compared at first, s."""
-SCREENED: Final = 100
-"""Number of samples of the short motion at which repairs of the output are compared."""
 FINALISTS: Final = 4
 """Number of repairs, of the best alone and of the best with a repair of the output, that go on to all courses."""
 PRUNING_RATIO: Final = 10.0
@@ -81,114 +60,31 @@ QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", 
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
 
-class Search:
-    """A search under way, whose choice can be asked for at any time.
+class Search(FilterRuns):
+    """A search under way, whose choice can be asked for at any time. See `FilterRuns` for the parameters.
 
     Attributes
     ----------
-    courses : tuple of Course
-        Courses of the runs, each with the rest that the filter needs to settle.
-    floor : float
-        The error below which nothing is looked for, rad.
-    runs, updates : int
-        Number of runs of the filter, and of readings of the gyro in them.
-    trials : list of Trial
-        Trials on all courses; the first is of the filter as it is.
     free : Trial
         The filter as it is on the free motions, without a rest.
-    is_cut : bool
-        Whether pairs were left untried for want of runs.
-    is_rest_cut : bool
-        Whether repairs were tried after a shorter rest than the filter needs.
-    is_slow : bool
-        Whether it begins with one attitude, and takes more than `FIRST_REST` to come from there to another.
-    is_level : bool
-        Whether the magnetometer changes nothing: the vertical alone is judged.
     deaf : tuple of str
         Sensors whose readings change nothing after the first second.
     scatter : float
         Largest change of the estimate between two equal runs, rad, where the filter is wrong.
-    chatter : float
-        Motion of the answer at rest, or change of it by sensors that are off by `TINY`, rad, that does not grow.
-    growth : float
-        Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
-        what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
     unstable_by : str
         The sensor whose correction has the wrong sign, where that is known.
     needs_rest : bool
         Whether its answer stands still from the first second on, and it is right only after a longer rest.
     needs_noise : bool
         Whether perfect readings give no answer, and those of tactical sensors do.
-    known : dict
-        Answers to probes, by the course.
-
-    Parameters
-    ----------
-    each : callable
-        Function that runs the filter once for each job.
-    courses : tuple of Course
-        Ordinary courses; see `courses_of`.
-    most_runs : int
-        Runs of the filter after which no more pairs are begun.
-    tell : callable, optional
-        Function that is called with the number of runs after each.
-    noise : mapping of str to float, optional
-        Densities of the noise that the filter assumes, where they are given.
     """
 
     free: Trial
-    runs = updates = 0
-    is_cut = is_rest_cut = is_level = is_slow = needs_noise = needs_rest = False
+    needs_noise = needs_rest = False
     deaf: tuple[str, ...] = ()
-    scatter = chatter = growth = 0.0
+    scatter = 0.0
     unstable_by = ""
     _short_error = np.pi
-
-    def __init__(
-        self,
-        each: Callable[[Sequence[Job]], Iterator[Answer | FilterError]],
-        courses: tuple[Course, ...],
-        most_runs: int,
-        tell: Callable[[int], object] | None = None,
-        noise: Mapping[str, float] | None = None,
-    ) -> None:
-        self._each = each
-        self.courses = courses
-        self.most_runs = most_runs
-        self._tell = tell or (lambda runs: None)
-        self.noise = noise
-        self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self.trials: list[Trial] = []
-        self.known: dict[Course, Answer | FilterError] = {}
-        self._rests: dict[Any, float] = {}
-
-    def ask(self, asked: Iterable[tuple[Course, Repairs]]) -> Iterator[Answer | FilterError]:
-        """Answers of the filter to courses with repairs, in their order."""
-        jobs = [Job(*each, self.is_level) for each in asked]
-        for job, answer in zip(jobs, self._each(jobs), strict=True):
-            self.runs += 1
-            self.updates += job.course.updates
-            self._tell(self.runs)
-            yield answer
-
-    def answer(self, course: Course, *repairs: Repair) -> Answer | None:
-        """Answer of the filter to one course, or None where it fails."""
-        [answer] = self.ask([(course, repairs)])
-        return answer if isinstance(answer, Answer) else None
-
-    def choice(self) -> list[Trial]:
-        """Trials so far that mend the error: first the one that is named, then those that do as well."""
-        return choose(self.trials, self.floor, 0.0 if self.growth else MENDED)
-
-    @property
-    def unrepaired(self) -> Trial:
-        """Trial of the filter as it is."""
-        return plain(self.trials)
-
-    @property
-    def chosen(self) -> Trial:
-        """Trial of the filter with its mistakes repaired, or as it is."""
-        return next(iter(self.choice()), self.unrepaired)
 
     def in_order(self, trial: Trial) -> Repairs:
         """Repairs of a trial, the one with the largest effect first; those of the output in their order."""
@@ -201,32 +97,6 @@ class Search:
         """Trial with the one repair that leaves the least, if that is less than half of the error."""
         least = min((t for t in self.trials if len(t.codes) == 1), key=lambda t: t.error, default=None)
         return least if least and least.error <= HALVED * self.unrepaired.error else None
-
-    @property
-    def course(self) -> Course:
-        """The first course, with the kind of gyro that the filter expects."""
-        return self.courses[0].of_scenario(gyro_rate=self.chosen.kind)
-
-    @property
-    def long(self) -> Course:
-        """The first course with a motion ten times as long."""
-        return replace(self.course, moving_s=10.0 * self.course.moving_s)
-
-    @property
-    def short(self) -> tuple[Course, ...]:
-        """The beginning of the first course, on which repairs are compared at first."""
-        settle_s = min(self.courses[0].settle_s, SCREENED_REST)
-        return (replace(self.courses[0], moving_s=SCREENED_S, settle_s=settle_s).nearly_perfect(),)
-
-    @property
-    def settles_s(self) -> float:
-        """Longest rest that the filter needs on an ordinary course, s."""
-        return max(course.settle_s for course in self.courses)
-
-    @property
-    def longest_rest_s(self) -> float:
-        """Longest rest that the filter needs in any attitude and field that was tried, s."""
-        return max((rest for (*_, off), rest in self._rests.items() if not off), default=0.0)
 
     def run(self) -> None:
         """Look for repairs if the filter is wrong, also after it has settled at rest."""
@@ -269,28 +139,6 @@ class Search:
             each = zip(courses, starts, strict=False)
             courses = tuple(course.of_scenario(initial_attitude_xyzw=start) for course, start in each)
         return [self.settled(course) for course in courses]
-
-    def settled(self, course: Course, least_s: float = FIRST_REST) -> Course:
-        """The course with a rest, doubled until the filter has settled in half of it, to `MAX_REST` at most."""
-        if not course.ramp_s:
-            return course
-        key = tuple(course.parameter("initial_attitude_xyzw")), tuple(course.field), course.off
-        if key not in self._rests:
-            rest = max(least_s, self.settles_s)
-            while (
-                (settled := self._settled_s(course, rest)) > 0.5 * rest
-                and rest < MAX_REST
-                and self.updates < 1.5 * self.most_updates
-            ):
-                rest = min(2.0 * rest, MAX_REST)
-            self._rests[key] = rest if settled else 0.0
-        return replace(course, settle_s=self._rests[key])
-
-    def _settled_s(self, course: Course, rest: float) -> float:
-        answer = self.answer(replace(course, settle_s=rest, moving_s=0.0, gaps_s=()))
-        if answer and answer.settled_s < np.inf and answer.restless > self.floor:
-            self.chatter = max(self.chatter, answer.restless)
-        return answer.settled_s if answer else 0.0
 
     def _hear(self) -> None:
         """Find the sensors that change nothing after the first second, and whether the magnetometer ever does."""
@@ -369,21 +217,6 @@ class Search:
                 return
             step()
 
-    def _named(self, causes: Iterable[Cause]) -> list[Cause]:
-        """Causes in the output that may be named: without constants, where the heading is not judged."""
-        return [cause for cause in causes if not (self.is_level and cause.price)]
-
-    @property
-    def most_updates(self) -> int:
-        """Readings of the gyro after which no more pairs are begun."""
-        most = MAX_UPDATES_SETTLING if self.is_slow or self.settles_s > CALM else MAX_UPDATES
-        return most + UNPROBED * (bool(self.trials) and self.unrepaired.error > UNJUDGED)
-
-    @property
-    def affordable(self) -> int:
-        """Number of runs of the short course for which readings are left."""
-        return max(0, self.most_updates - self.updates) // self.short[0].updates
-
     def _may_go_on(self) -> bool:
         """Whether the budget allows more runs; `is_cut` keeps a refusal."""
         self.is_cut = self.runs >= self.most_runs or not self.affordable
@@ -426,13 +259,6 @@ class Search:
         self.trials += self.fully(wanted, causes and CAUSES, courses=self._affordable(len(wanted)))
         return [replace(trial, parts=(with_output.error, *trial.parts)) for trial, with_output in least.items()]
 
-    def _affordable(self, count: int) -> list[Course]:
-        """Courses of nearly perfect sensors, their rest cut so that so many repairs take half of the updates left."""
-        runs = max(1, 2 * len(GYRO_KINDS) * len(self.courses) * count)
-        rest_s = max(0.5 * (self.most_updates - self.updates) / runs / self.courses[0].rate - MOVING, SCREENED_REST)
-        self.is_rest_cut |= rest_s < self.settles_s
-        return [replace(each, settle_s=min(each.settle_s, rest_s)).nearly_perfect() for each in self.courses]
-
     def _uses_what_it_scales(self, trial: Trial) -> bool:
         """Whether each sensor that a repair rescales is heard, and the filter does not normalise it.
 
@@ -458,18 +284,6 @@ class Search:
         asked = [((drift, scaled(sensor, share), *repairs), self.short) for share in (1.0, SILENT, 0.5)]
         used, silenced, halved = (trial.error for (trial,) in self.tried(asked))
         return silenced - used, halved - used
-
-    def fully(
-        self, chosen: Iterable[Repairs], causes: Sequence[Cause] = (), *, courses: Sequence[Course] = ()
-    ) -> Iterator[Trial]:
-        """Try repairs on some courses with both kinds of gyro, with and without `JOINT`.
-
-        All courses are the default, with nearly perfect sensors, on which an unstable filter fails.
-        """
-        jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
-        courses = courses or [course.nearly_perfect() for course in self.courses]
-        by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in GYRO_KINDS]
-        return chain.from_iterable(self.tried([*product(jointly, by_kind)], causes))
 
     def _scaled(self) -> None:
         """Fit a factor of the gyro near 1 beside the cheapest repairs that leave a small error: it is a note."""
@@ -527,39 +341,6 @@ class Search:
                 ratio = trial.track.turn_ratio() if trial.track else 0.0
                 value = float(np.clip(value / ratio if ratio > 0.0 else 0.0, 1e-7, 1e7))
             yield value
-
-    def tried(
-        self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = ()
-    ) -> Iterator[list[Trial]]:
-        """Trials of repairs on courses of one kind: as they are, then with each cause undone in the output.
-
-        Where no input is repaired pairs of causes are undone as well.
-
-        Raises
-        ------
-        FilterError
-            If the filter fails without a repair.
-        """
-        answers = self.ask([(course, repairs) for repairs, courses in asked for course in courses])
-        for repairs, courses in asked:
-            kind = courses[0].parameter("gyro_rate")
-            right = list[Answer]()
-            for answer in islice(answers, len(courses)):
-                if isinstance(answer, Answer) and not (repairs and answer.broken.size):
-                    right.append(answer)
-                elif isinstance(answer, FilterError) and not repairs:
-                    raise answer
-            if len(right) < len(courses):
-                yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
-                continue
-            tracks = [answer.track.fraction() for answer in right]
-            parts = tracks[0].partial_errors()
-            if courses == self.short:
-                tracks = [each.thinned(SCREENED) for each in tracks]
-            unrepaired = right if repairs in ((), (JOINT,)) else ()
-            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], unrepaired)
-            undone = without(tracks, self._named(causes), pairs=not alone.codes)
-            yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in undone)]
 
 
 def least(error: Callable[[float], float], around: float, step: float) -> float:

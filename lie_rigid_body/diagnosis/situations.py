@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Final
 
@@ -55,7 +56,7 @@ def _at(course: Course, angles_deg: Sequence[float], rate: Sequence[float] = (0.
     return course.of_scenario(initial_attitude_xyzw=attitude.as_quat().tolist(), initial_body_rate=rate)
 
 
-REST: Final[Mapping[str, tuple[float, float, float]]] = {
+REST: Final = {
     "level at rest": LEVEL,
     "tilted at rest": TILTED,
     "tilted and headed at rest": HEADED,
@@ -63,7 +64,7 @@ REST: Final[Mapping[str, tuple[float, float, float]]] = {
 """Situations at rest, and the angles of the body, degrees."""
 TURNS: Final = {f"rotating about {axis}": rate for axis, rate in zip("xyz", (RATE * np.eye(3)).tolist(), strict=True)}
 """Rotations about each axis of the body, and the body rates, rad/s."""
-TUMBLES: Final[Mapping[str, tuple[str, ...]]] = {
+TUMBLES: Final = {
     "tumbling": (),
     "tumbling without magnetometer": ("magnetometer",),
     "tumbling without accelerometer": ("accelerometer",),
@@ -76,7 +77,7 @@ def situations(search: Search) -> Iterator[Situation]:
     unrepaired = search.unrepaired
     worst = max(zip(unrepaired.unrepaired, search.courses, strict=True), key=lambda each: each[0].error())
     course = worst[1].of_scenario(gyro_rate=unrepaired.kind)
-    every: list[tuple[str, Course, tuple[str, ...]]] = [
+    every = [
         *((name, _at(course, angles), ()) for name, angles in REST.items()),
         *((name, _at(course, LEVEL, rate), ()) for name, rate in TURNS.items()),
         *((name, course, silent) for name, silent in TUMBLES.items()),
@@ -87,7 +88,7 @@ def situations(search: Search) -> Iterator[Situation]:
             yield Situation(name, None, is_level=False)
         else:
             level = rms(answer.track.fraction().error().inclination)
-            yield Situation(name, float(np.degrees(answer.error())), is_level=level <= search.floor)
+            yield Situation(name, math.degrees(answer.error()), is_level=level <= search.floor)
 
 
 RULES: Final = (

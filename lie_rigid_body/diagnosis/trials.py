@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import Final
@@ -57,7 +58,7 @@ class Trial:
     @property
     def error_deg(self) -> float:
         """The error, degrees."""
-        return float(np.degrees(self.error))
+        return math.degrees(self.error)
 
     @cached_property
     def mistakes(self) -> Repairs:

@@ -15,6 +15,7 @@ by arctan2 of the same sides; they differ from the definition by round-off only.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable
@@ -166,7 +167,7 @@ def places(mounting: Array) -> str:
     """Body axes of an estimate named by those of the body, where they only change places and signs; else empty."""
     axes = quaternion.rotate(mounting, np.eye(3))  # row by row, on the axes of the body
     nearest = np.round(axes)
-    left = float(np.degrees(np.arccos(np.clip((np.sum(axes * nearest) - 1.0) / 2.0, -1.0, 1.0))))
+    left = math.degrees(np.arccos(np.clip((np.sum(axes * nearest) - 1.0) / 2.0, -1.0, 1.0)))
     name = named(nearest)
     if left > SAME_AXES_DEG or name == "x, y, z" or np.abs(nearest).sum() != 3.0:
         return ""
@@ -189,7 +190,7 @@ def period_ns(stamps_ns: Integers) -> int:
 def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
     """Mask of the stamps, ns, that are no earlier than any that stands before them, and than `after_ns`."""
     before = stamps_ns[:1] if after_ns is None else np.array([after_ns])
-    return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([before, stamps_ns]))[:-1])
+    return stamps_ns >= np.maximum.accumulate(np.concatenate([before, stamps_ns]))[:-1]
 
 
 def rising(stamps_ns: Integers) -> Booleans:
@@ -260,7 +261,7 @@ class Truth(ABC):
     def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether the truth is known at each stamp."""
         stamps = as_stamps("truth", stamps_ns)
-        return np.asarray((stamps >= self.first_ns) & (stamps <= self.last_ns))
+        return (stamps >= self.first_ns) & (stamps <= self.last_ns)
 
     def between(self: T, first_ns: int, last_ns: int) -> T:
         """Truth that is asked of only from one stamp to another, ns."""
@@ -377,7 +378,7 @@ class SampledTruth(Truth):
         stamps = as_stamps("truth", stamps_ns)
         i = self._interval(stamps)
         joined = self._stamps[i + 1] - self._stamps[i] <= self._longest_gap
-        return np.asarray(super().covers(stamps) & (joined | np.isin(stamps, self._stamps)))
+        return super().covers(stamps) & (joined | np.isin(stamps, self._stamps))
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """Bound `uncertainty`, or 0 if every stamp is a sample's own."""

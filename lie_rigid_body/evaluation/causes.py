@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -38,6 +38,8 @@ CONVERGED: Final = 1e-4
 """Share of the errors by which a step changes them that ends a fit; chance in 4 000 samples changes them by 1.6e-2."""
 FEIGNED: Final = f"a mistake in its readings does the same, which '{program('diagnose')}' tells"
 """Words for a cause that a mistake at the input of the filter may imitate."""
+Words: TypeAlias = Callable[[Array], str]
+"""Words about a cause, from its constants."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +77,14 @@ class Cause:
     price: int
     undo: Callable[[Matched, Array], Matched]
     fits: Callable[[MatchedRuns], Sequence[Array]]
-    fact: Callable[[Array], str]
-    deed: Callable[[Array], str]
+    fact: Words
+    deed: Words
     maps: tuple[Array, ...] = ()
     slopes: Callable[[Matched, Array, Array], Array] = field(
         default=lambda track, truth, rate: np.zeros((len(truth), 3, 0)), repr=False
     )
     moved: Callable[[Array, Array], Array] = field(default=np.add, repr=False)
-    remedy: Callable[[Array], str] = field(default=lambda constants: "", repr=False)
+    remedy: Words = field(default=lambda constants: "", repr=False)
     unit: str = ""
 
     def fitted(self, tracks: MatchedRuns) -> tuple[Array, float]:
@@ -112,9 +114,9 @@ def undone(track: Matched, parts: Parts) -> Matched:
 def by_maps(
     code: str,
     maps: Sequence[Array],
-    fact: Callable[[Array], str],
-    deed: Callable[[Array], str],
-    remedy: Callable[[Array], str] = lambda constants: "",
+    fact: Words,
+    deed: Words,
+    remedy: Words = lambda constants: "",
 ) -> Cause:
     """A cause that is undone by one of several matrices, shape (4, 4); its constant is the number of the matrix."""
     return Cause(
@@ -181,7 +183,7 @@ def inflations(track: Matched, parts: Parts) -> list[float]:
 
 def weights(norms: Array) -> Array:
     """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians."""
-    scale = 3.0 * float(np.median(norms)) if norms.size else 0.0
+    scale = 3.0 * np.median(norms) if norms.size else 0.0
     return np.asarray(1.0 / (1.0 + (norms / scale) ** 2) ** 2 if scale else np.ones_like(norms))
 
 
@@ -237,11 +239,11 @@ def _misses(track: Matched, undo: Callable[[Matched, Array], Matched], values: A
 
 
 def fitted_in_time(
-    cause: Cause, values: Array, tracks: MatchedRuns, starts: int = 1, most: int = 200, covered: float = MIN_COVERED
+    cause: Cause, values: Array, tracks: MatchedRuns, starts: int = 1, covered: float = MIN_COVERED
 ) -> list[Array]:
     """A constant that changes stamps, in whose fit there are several valleys: fitted from the lowest of some values."""
     misses = np.asarray(sum(_misses(track.thinned(), cause.undo, values, covered) for track in tracks))
-    few = [track.thinned(most) for track in tracks]
+    few = [track.thinned(200) for track in tracks]
     return [_refined(cause, values[[k]], few) for k in valleys(misses)[:starts]]
 
 
@@ -257,7 +259,7 @@ def _lag(sign: float, tracks: MatchedRuns) -> Sequence[Array]:
     """A lag of that sign and of more than a sample, s; else 0."""
     [found] = fitted_in_time(BY_CODE["lagging"], _LAGS, tracks)
     steps = np.diff(tracks[0].stamps_ns)
-    least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
+    least = 1.001e-9 * np.median(steps) if len(steps) else np.inf  # no sample is later than the only one
     return [found if sign * found[0] > least else np.zeros(1)]
 
 

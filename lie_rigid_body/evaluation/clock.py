@@ -6,6 +6,7 @@ another speed or the time of day beside a replay, is looked for where nothing el
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -54,7 +55,7 @@ UNSTEADY: Final = 0.25
 """Largest relative difference between the lag of either half of a run and that of the whole run; a drift makes ½."""
 MIN_BODY_RATE: Final = 1e-6
 """Least body rate, rad/s, at which the motion determines a lag."""
-MAX_LEFT_BY_CLOCK: Final = float(np.radians(5.0))
+MAX_LEFT_BY_CLOCK: Final = math.radians(5.0)
 """Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
 MIN_COVERED_BY_RATE: Final = 0.9
 """Smallest share of the samples that the rate of another clock puts within the truth's times."""
@@ -92,17 +93,17 @@ class Lag(NamedTuple):
     sure: bool = False
 
 
-def lag_of(track: Matched, named: Explanation, longest_lag_s: float, period_s: float, most: int = 4000) -> Lag:
+def lag_of(track: Matched, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
     """Fit the lag together with a turn of the world and one of the body, where the motion tells them apart.
 
     Otherwise the lag is fitted beside a heading and a mounting, else beside the turns that are named. Then a tilt of
     the world, which sensors leave as well, may look like a lag. So the standard error of a named lag is at least the
     change of the lag by fitting a tilt beside it. A lag is returned where it is named, where it is sure, and where it
     is none. It counts as none if its standard error is small beside the lag that would make an error as large as what
-    is left. The fit uses `most` samples.
+    is left. The fit uses 4000 samples at most.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
-    track = undone(track.thinned(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    track = undone(track.thinned(4000), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
     lag = late(named.lag_s or 0.0)
     known = {cause.code: fitted for cause, fitted in parts}
     up = known.get("heading_offset", np.zeros(1))
@@ -134,7 +135,7 @@ def _unnamed(track: Matched, fitted: Parts, without: Parts, instead: Parts, peri
     lag_s = float(fitted[-1][1][0])
     error = standard_error(track, fitted)
     left, before, other, raw = (
-        float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, instead, ())
+        np.median(undone(track, parts).error().total) for parts in (fitted, without, instead, ())
     )
     turn = rms(norm(track.rates))
     if left > MAX_LEFT:  # what follows the truth so little tells no lag
@@ -173,7 +174,7 @@ def standard_error(track: Matched, parts: Parts) -> float:
     transposed = np.swapaxes(J, 1, 2)
     along = transposed @ error[..., np.newaxis]
     # second derivative of the loss: the weight falls with the size of an error
-    falls = weight**1.5 * (4.0 / max(9.0 * float(np.median(size)) ** 2, 1e-300))
+    falls = weight**1.5 * (4.0 / max(9.0 * np.median(size) ** 2, 1e-300))
     normal = weight * (transposed @ J) - falls * (along @ np.swapaxes(along, 1, 2))
     gradient = (weight * along)[..., 0]
     whole = normal.sum(axis=0)
@@ -181,7 +182,7 @@ def standard_error(track: Matched, parts: Parts) -> float:
         (np.linalg.pinv(whole - normal[block].sum(axis=0), rcond=1e-10) @ gradient[block].sum(axis=0))[-1]
         for block in np.array_split(np.arange(len(J)), BLOCKS)
     ]
-    jackknife = float(np.sqrt((BLOCKS - 1) / BLOCKS * np.sum(np.square(changes))))
+    jackknife = math.sqrt((BLOCKS - 1) / BLOCKS * np.sum(np.square(changes)))
     G = J @ np.linalg.pinv(whole, rcond=1e-10)[:, -1]
     psi = weight[..., 0] * error
     both = np.stack([(G, psi), (quaternion.rotate(truth, G), quaternion.rotate(truth, psi))])
@@ -190,7 +191,7 @@ def standard_error(track: Matched, parts: Parts) -> float:
     return max(1e-9, jackknife, *map(rms, shifted))  # stamps are nanoseconds
 
 
-def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: int = 300) -> tuple[Part, Matched] | None:
+def other_clock(track: Matched, beyond_s: float, *, rates: bool) -> tuple[Part, Matched] | None:
     """Find another clock by which an estimate follows the truth: of another rate, or late or ahead by a far lag.
 
     Parameters
@@ -201,22 +202,20 @@ def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: in
         Lags up to this were judged before, s.
     rates : bool
         Whether other rates are looked for as well.
-    most : int
-        Number of samples that are judged.
 
     Returns
     -------
     tuple of Part and Matched, or None
         The clock that leaves the least error, and the samples that it puts within the truth's times.
     """
-    few = track.thinned(most)
+    few = track.thinned(300)
     truth = track.truth
     if len(few.stamps_ns) < MIN_SAMPLES:
         return None
     some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
-    step_s = MAX_LAG_STEP / max(float(norm(truth.states(some)[1]).max()), 1e-9)
-    begin_s = (int(few.stamps_ns[0]) - truth.last_ns) / 1e9
-    end_s = (int(few.stamps_ns[-1]) - truth.first_ns) / 1e9
+    step_s = MAX_LAG_STEP / max(norm(truth.states(some)[1]).max(), 1e-9)
+    begin_s = (few.stamps_ns[0] - truth.last_ns) / 1e9
+    end_s = (few.stamps_ns[-1] - truth.first_ns) / 1e9
     parts = list[Part]()
     if rates:
         cause = BY_CODE["clock_rate"]
@@ -224,7 +223,7 @@ def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: in
     lags = np.arange(begin_s, end_s, step_s) if end_s - begin_s <= MAX_LAGS * step_s else np.zeros(0)
     lags = lags[np.abs(lags) > beyond_s]
     if len(lags):
-        parts += [late(float(lag[0])) for lag in fitted_in_time(BY_CODE["lagging"], lags, [few], STARTS)]
+        parts += [late(lag[0]) for lag in fitted_in_time(BY_CODE["lagging"], lags, [few], STARTS)]
     found = [(part, undone(track, [part]).known()) for part in parts if _explains(few, part, beyond_s)]
     return min(found, key=lambda clock: rms(clock[1].error().total), default=None)
 
@@ -253,5 +252,5 @@ def _explains(few: Matched, part: Part, beyond_s: float) -> bool:
         return True
     if not is_rate:
         return abs(number) * float(norm(moved.rates).max()) < np.pi
-    spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
+    spanned = (moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
     return max(number, 1.0 / number) >= CLOCK_RATIO and spanned >= MIN_SPANNED

@@ -28,6 +28,7 @@ Transactions on Signal Processing 46 (1998) 1386.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
@@ -201,7 +202,7 @@ class CramerRaoBound:
     @staticmethod
     def rms(covariance: Array) -> float:
         """Root mean square of the total angle over all samples, rad; at most that of a guess, 2.3 rad."""
-        return float(np.sqrt(np.mean(mean_square(covariance))))
+        return math.sqrt(np.mean(mean_square(covariance)))
 
     def is_below(self, stamps_ns: Integers, square: float, probability: float) -> bool:
         """Whether a mean square error, rad², at these stamps is below the point of this probability at the bound.
@@ -335,7 +336,7 @@ def _given(P: Array, constants: int) -> Array:
     """Covariances of states for an estimator that knows the constants, which are the last of the state."""
     n = P.shape[-1] - constants
     across = P[:, n:, :n]
-    return np.asarray(P[:, :n, :n] - np.swapaxes(across, 1, 2) @ np.linalg.solve(P[:, n:, n:], across))
+    return P[:, :n, :n] - np.swapaxes(across, 1, 2) @ np.linalg.solve(P[:, n:, n:], across)
 
 
 def _require_noise(name: str, relative: float) -> None:
@@ -396,7 +397,7 @@ def _system(
     Q[:, :6, :6] = np.einsum("n,nij,nkj->nik", walk, into, into)
     Q[:, :3, :3] += np.einsum("n,nij,nkj->nik", gyro.noise**2 / readings, pushed, pushed)
     for i, sensor in enumerate(vectors):
-        unit = float(norm(sensor.vector))
+        unit = norm(sensor.vector)
         own = slice(6 + 3 * i, 9 + 3 * i)
         read = _count(stamps, sensor.stamps_ns)
         # as many readings of one vector are one of as much less noise
@@ -409,7 +410,7 @@ def _system(
         Q[:, own, own] = _diagonal((sensor.bias.step / unit) ** 2 * np.maximum(read, 0.0))
     for i, attitude in enumerate(noisy.attitudes, len(vectors)):
         factor = factor_of(attitude.covariance)
-        _require_noise("attitude", float(np.linalg.svd(factor, compute_uv=False)[-1]))
+        _require_noise("attitude", np.linalg.svd(factor, compute_uv=False)[-1])
         H[:, i, :, :3] = np.sqrt(_count(stamps, attitude.stamps_ns))[:, np.newaxis, np.newaxis] * np.linalg.inv(factor)
     for sensor in sensors:
         # the smoother divides by what a bias that wanders begins with
@@ -433,4 +434,4 @@ def _count(stamps: Integers, readings_ns: Integers) -> Array:
 
 def _diagonal(values: Array) -> Array:
     """Multiples of the identity, shape (N, 3, 3)."""
-    return np.asarray(values[:, np.newaxis, np.newaxis] * np.eye(3))
+    return values[:, np.newaxis, np.newaxis] * np.eye(3)

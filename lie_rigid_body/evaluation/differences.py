@@ -15,6 +15,7 @@ differences in degrees does in 4 %. Intervals hold the true ratio in 94 to 96 %.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from math import comb
@@ -67,8 +68,8 @@ class Difference:
     high: float
     p: float
     runs: int
-    without_answer: tuple[int, int] = (0, 0)
-    pairs: int = 1
+    without_answer: tuple[int, int]
+    pairs: int
 
     @property
     def is_shown(self) -> bool:
@@ -78,7 +79,7 @@ class Difference:
     @property
     def factor(self) -> float:
         """Factor between two errors that so many runs would show: half of the interval's width, as a ratio."""
-        return float(np.sqrt(self.high / self.low)) if self.low else np.inf
+        return math.sqrt(self.high / self.low) if self.low else np.inf
 
     def sentence(self, first: str, second: str) -> str:
         """Sentence about the errors of two estimators of these names, without a full stop."""
@@ -102,7 +103,7 @@ class Difference:
 
 def fewest_runs(pairs: int) -> int:
     """Smallest number n of runs that can show anything in so many pairs: 2 · 2⁻ⁿ ≤ 0.05 / pairs."""
-    return int(np.ceil(np.log2(2.0 * pairs / LEVEL)))
+    return math.ceil(math.log2(2.0 * pairs / LEVEL))
 
 
 def of_runs(first: ArrayLike, second: ArrayLike) -> Difference:
@@ -192,7 +193,7 @@ def _logarithms(errors: Array) -> Array:
     """Logarithms of the ratios of two rows of errors; 0 where they differ by round-off."""
     first, second = np.log(np.maximum(np.where(np.isnan(errors), NO_ANSWER_DEG, errors), MIN_ERROR_DEG))
     difference = first - second
-    return np.asarray(np.where(np.abs(difference) > ROUND_OFF, difference, 0.0))
+    return np.where(np.abs(difference) > ROUND_OFF, difference, 0.0)
 
 
 def _value(logarithms: Array) -> float:

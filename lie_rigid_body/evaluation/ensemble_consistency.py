@@ -15,6 +15,7 @@ factor that so many runs are said to show, 47 to 66 % are.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -25,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.evaluation.arguments import numbers
 from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
-from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed
@@ -105,7 +106,7 @@ class EnsembleConsistency:
     def factor_shown(self) -> float:
         """Factor of a wrong covariance that so many runs would show: half of the interval's width, as a ratio."""
         low, high = self.factor_bounds
-        return float(np.sqrt(high / low))
+        return math.sqrt(high / low)
 
     @property
     def message(self) -> str:
@@ -166,7 +167,6 @@ def ensemble_consistency(
     covariance: ArrayLike,
     attitude_xyzw: ArrayLike | None = None,
     axes: str = "world",
-    seed: int = 0,
 ) -> EnsembleConsistency:
     """Judge the covariance of an estimate over many independent runs.
 
@@ -182,17 +182,14 @@ def ensemble_consistency(
         Attitudes world-from-body, scalar last; with them a covariance about the wrong axes is named.
     axes : str
         ``world`` or ``body``: the axes of the covariance.
-    seed : int
-        Seed of the resampling.
 
     Raises
     ------
     InputError
-        If a shape is wrong, a number not finite, the seed no whole number from 0 on, or there are too few runs. Also if
-        a covariance is not symmetric and positive definite, or errors are so large beside it that the NEES overflows.
+        If a shape is wrong, a number not finite, or there are too few runs. Also if a covariance is not symmetric and
+        positive definite.
     """
     require_axes(axes)
-    seed = whole_number("seed", seed, 0)
     e, P = errors_and_covariances(errors, covariance, "R", "T", "d")
     runs, count, dimension = e.shape
     if runs < MIN_RUNS:
@@ -206,7 +203,7 @@ def ensemble_consistency(
     means = values.mean(axis=1)
     low, high = mean_bounds(means, _HALF)
     factor = float(means.mean()) / dimension
-    verdict, outside = _verdict(times, values, dimension, seed)
+    verdict, outside = _verdict(times, values, dimension)
     return EnsembleConsistency(
         runs,
         dimension,
@@ -214,7 +211,7 @@ def ensemble_consistency(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        "" if verdict == NOT_SHOWN else _cause(times, e, P, scores, R, factor, seed),
+        "" if verdict == NOT_SHOWN else _cause(times, e, P, scores, R, factor),
         factor,
         (low / dimension, high / dimension),
         tuple(zip(times.tolist(), values.mean(axis=0).tolist(), strict=True)),
@@ -230,8 +227,8 @@ def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
 
 def _likelihood(values: Array, mean: float) -> float:
     """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes k: ln k − ψ(k) = excess."""
-    logarithm = float(np.log(values).mean())
-    ratio = float(values.mean()) / mean
+    logarithm = np.log(values).mean()
+    ratio = values.mean() / mean
     excess = max(np.log(mean) - logarithm + ratio - 1.0, 1e-12)
     # 1 / 2k < ln k − ψ(k) < 1 / k
     k = scipy.optimize.brentq(
@@ -263,23 +260,23 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     return mean * float(low), mean * float(high)
 
 
-def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:
+def _verdict(t_s: Array, values: Array, dimension: int) -> tuple[str, tuple[Interval, ...]]:
     """Verdict by the mean of all runs and times and, where that is right, by times that are outside of the band."""
     (low, high) = mean_bounds(values.mean(axis=1), _HALF)
-    outside = _outside(t_s, values, dimension, seed)
+    outside = _outside(t_s, values, dimension)
     if low <= dimension <= high:
         return ("changing" if outside else NOT_SHOWN), outside
     return ("overconfident" if low > dimension else "conservative"), outside
 
 
-def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: int = 2000) -> tuple[Interval, ...]:
+def _outside(t_s: Array, values: Array, dimension: int) -> tuple[Interval, ...]:
     """Times in which the mean over runs is outside of its band, neighbours joined."""
     runs = len(values)
-    draws = np.random.default_rng(seed)
+    draws = np.random.default_rng(0)
     mean = values.mean(axis=0)
     error = values.std(axis=0, ddof=1) / np.sqrt(runs)
     # each resampling counts how often every run is drawn
-    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=resampled) / runs
+    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=2000) / runs
     means = weights @ values
     variance = (weights @ values**2 - means**2) * runs / (runs - 1)
     deviation = (means - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
@@ -294,7 +291,7 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
 
 
 @np.errstate(over="ignore")  # what is repaired may leave double precision, and is then no cause
-def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
+def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float) -> str:
     """Cause whose repair makes errors likelier and the covariance consistent: the likeliest, a factor if no other."""
     runs = len(errors)
     dimension = errors.shape[-1]
@@ -306,6 +303,6 @@ def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array
             continue
         gain = scores - repaired
         sure = code == "factor" or gain.mean() > scipy.stats.t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
-        if sure and _verdict(t_s, values, dimension, seed)[0] == NOT_SHOWN:
+        if sure and _verdict(t_s, values, dimension)[0] == NOT_SHOWN:
             found[code] = code == "factor", float(repaired.mean())
     return min(found, key=lambda code: found[code], default="")

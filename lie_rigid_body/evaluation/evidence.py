@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cached_property
 from typing import Final, NamedTuple
@@ -61,14 +62,14 @@ UNLIKE: Final = 0.5
 """Largest error that an explanation with constants may leave, as a share of what a constant attitude leaves.
 
 With a mounting it is half of that."""
-MIN_TILT: Final = float(np.radians(10.0))
+MIN_TILT: Final = math.radians(10.0)
 """Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
 about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
 LEAD: Final = 1.5
 """Largest lead of a right filter, samples: one sample, and half of one for sensor errors."""
 DISCRETISATION_ERROR: Final = 0.1
 """Largest constant error of a right filter with perfect sensors, as a share of the largest turn between samples."""
-OF_SENSORS: Final = float(np.radians(1.0))
+OF_SENSORS: Final = math.radians(1.0)
 """Attitude error, rad, below which sensor errors may be the cause; they look more like a constant turn than a lag."""
 LAG_TIE: Final = 3.0
 """Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
@@ -120,7 +121,7 @@ class Evidence:
         Largest constant turn that the sensors' own errors leave to a right filter, rad.
     """
 
-    def __init__(self, track: Matched, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
+    def __init__(self, track: Matched, longest_lag_s: float, left_by_sensors: float) -> None:
         self.whole = track
         self.track = track.thinned(SAMPLES)
         self.period_s = period_ns(track.stamps_ns) / 1e9
@@ -134,10 +135,10 @@ class Evidence:
         # at the leads of a right filter: none, half a sample and one
         self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
         # between neighbours the body turns by a quarter of a radian at most, unless they would be too many
-        half = min(max(int(np.ceil(4.0 * longest_lag_s * self.fastest)), 1), 90)
+        half = min(max(math.ceil(4.0 * longest_lag_s * self.fastest), 1), 90)
         self._lags = np.linspace(-longest_lag_s, longest_lag_s, 2 * half + 1)
         # what a lag between two of these may leave less
-        self._slack = float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
+        self._slack = np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2
         self._known: dict[tuple[Form, Turned, bool], Explanation] = {}
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
@@ -267,7 +268,7 @@ class Evidence:
         """
         few = self.whole.thinned(MAX_OF_LEAD)
         count = len(few.stamps_ns)
-        span_s = float(np.ptp(few.since_s))
+        span_s = np.ptp(few.since_s)
         turns = np.fft.rfft(quaternion.rotate(few.truth_xyzw, few.rates) * self.period_s, axis=0)
         frequency = np.fft.rfftfreq(count, span_s / max(count - 1, 1))[:, np.newaxis]
         settled = slice(count // 4, None)
@@ -297,7 +298,7 @@ class Evidence:
         for k, (cause, constants) in enumerate(explanation.parts):
             if cause.price:
                 turn = self.root_mean_square_rate if cause.unit == "s" else 1.0
-                sizes = np.array([found[k][1] @ constants for found in fits]) * turn / float(np.linalg.norm(constants))
+                sizes = np.array([found[k][1] @ constants for found in fits]) * turn / np.linalg.norm(constants)
                 thirds = sizes.reshape(3, -1)
                 first, middle, last = thirds.mean(axis=1)
                 error = np.sqrt(3.0 * thirds[::2].var(axis=1, ddof=1).sum())  # 3 standard errors of the difference
@@ -348,7 +349,7 @@ class Evidence:
 
     def is_small(self, explanation: Explanation) -> bool:
         """Whether a turn, or the turn in a lag that leaves some error, is no larger than what sensor errors leave."""
-        turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
+        turns_rad = [np.linalg.norm(constants) for cause, constants in explanation.parts if cause.code in PRICES]
         is_late = explanation.lag_s is not None and (
             explanation.error > FOLLOWING * self.without(explanation, "lag").error
             and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors

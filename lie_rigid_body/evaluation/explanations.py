@@ -13,6 +13,7 @@ its gyro step. Every explanation without a lag may have such a lead at no price,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache, reduce
 from typing import Final
@@ -44,9 +45,9 @@ PRICES: Final = {
 A far lag, in which the body turns by more than half a turn, has a further price, as there are many. So has any turn of
 the world with any of the body, which other axes of a gyro make as well.
 """
-MAX_LEFT: Final = float(np.radians(20.0))
+MAX_LEFT: Final = math.radians(20.0)
 """Largest error that named causes may leave, rad; if one of them has a constant, divided by their number."""
-MAX_LEFT_BY_THREE: Final = float(np.radians(7.7))
+MAX_LEFT_BY_THREE: Final = math.radians(7.7)
 """Largest error that a cause with three constants may leave, rad, divided by the number of causes with constants."""
 SHARE: Final = 1.0 / 3.0
 """Largest ratio of the RMS error with a named cause to that without the cause, in each quarter of a run."""
@@ -57,13 +58,13 @@ Form = tuple[tuple[str, int], ...]
 """A chain of causes without constants in the order of undoing, each with the number of its map."""
 _SHIFTED = ("scalar_first", 0)
 _INVERTED = ("inverted", 0)
-FORMS: Final[tuple[Form, ...]] = tuple(
+FORMS: Final = tuple(
     (*written, *world)
     for written in ((), (_SHIFTED,), (_INVERTED,), (_SHIFTED, _INVERTED), (_INVERTED, _SHIFTED))
     for world in ((), (("ned_world", 0),), (("ned_world", 1),))
 )
 """Every chain; the first has no cause."""
-TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
+TURNED: Final = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
 BOTH: Final = ("heading_offset", "body_mounting")
 """Turns that are fitted together, as the heading of a compass and the axes of markers."""
 PAIRS: Final = (BOTH, ("world_turned", "body_mounting"))
@@ -141,7 +142,7 @@ class Explanation:
         # of two that do the same by nature: without other axes of the body, and with the smaller mounting
         simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:
-            simple += 0.04 * float(np.linalg.norm(vector(self.numbers[-4:]))) / np.pi
+            simple += 0.04 * np.linalg.norm(vector(self.numbers[-4:])) / np.pi
         return float(np.mean(0.5 * np.log2(floored(self.left)))) + simple
 
     @property
@@ -169,7 +170,7 @@ def base_of(form: Form, turned: Turned) -> Array:
 
 def best(forms: Array) -> Array:
     """Unit vectors c of the largest cᵀ G c for each matrix G, shape (..., d)."""
-    return np.asarray(np.linalg.eigh(forms)[1][..., -1])
+    return np.linalg.eigh(forms)[1][..., -1]
 
 
 def best_of_pair(forms: Array, first: Array) -> Array:
@@ -194,7 +195,7 @@ def start_of_pair(forms: Array) -> Array:
 def largest(turned: Turned, forms: Array) -> Array:
     """Largest value of fitted numbers for each matrix of sums, shape (..., d, d)."""
     if turned not in PAIRS:
-        return np.asarray(np.linalg.eigvalsh(forms)[..., -1])
+        return np.linalg.eigvalsh(forms)[..., -1]
     return value(best_of_pair(forms, start_of_pair(forms.reshape(-1, *forms.shape[-2:]).mean(axis=0))), forms)
 
 

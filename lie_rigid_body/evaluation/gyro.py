@@ -7,6 +7,7 @@ truth are added up over parts of w: rotations about two axes do not commute.
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -66,7 +67,7 @@ class _Steps(NamedTuple):
 
     def known(self, late_s: float) -> Booleans:
         """Mask of the steps whose truth is known at a delay of its clock."""
-        return np.asarray(self.truth.covers(self.times_ns + round(late_s * NS)).all(axis=0))
+        return self.truth.covers(self.times_ns + round(late_s * NS)).all(axis=0)
 
     def fitted(self, late_s: float) -> GyroFit:
         """Least squares of mounting, factor and bias at a delay; a negative factor only if none else fits."""
@@ -82,7 +83,7 @@ class _Steps(NamedTuple):
             mounting, _ = Rotation.align_vectors(true, sign * own)
             turned = mounting.apply(own)
             factor = float(np.sum(turned * true) / np.sum(own * own))
-            misfit = float(np.sqrt(np.sum((true - factor * turned) ** 2) / np.sum(true**2)))
+            misfit = math.sqrt(np.sum((true - factor * turned) ** 2) / np.sum(true**2))
             fits.append(GyroFit(late_s, mounting.as_quat(), factor, misfit))
         return fits[fits[0].misfit > ALIKE * fits[1].misfit]
 
@@ -124,7 +125,7 @@ def compare_with_truth(t_ns: Integers, rate: Array, truth: Truth) -> tuple[GyroF
         Standard errors of the delay, s, of the mounting as a rotation vector, rad, and of the factor.
     """
     times = np.linspace(truth.first_ns, truth.last_ns, MAX_TRUTH_STEPS).astype(np.int64)
-    fast = max(float(np.quantile(np.linalg.norm(truth.states(times)[1], axis=1), 0.95)), 1e-9)
+    fast = max(np.quantile(np.linalg.norm(truth.states(times)[1], axis=1), 0.95), 1e-9)
     t_s = (t_ns - t_ns[0]) / NS
     width = int(np.clip(TRUTH_STEP / fast / np.median(np.diff(t_s)), 1, len(t_s) // 4))
     first = spread(len(t_s) - width, MAX_TRUTH_STEPS)

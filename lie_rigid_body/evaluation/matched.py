@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -35,7 +36,7 @@ MIN_KNOWN: Final = 0.5
 """Smallest share of the windows that a lag puts within the truth's times."""
 SAMPLES: Final = 400
 """Largest number of samples by which errors are explained."""
-NEGLIGIBLE: Final = float(np.radians(1e-3))
+NEGLIGIBLE: Final = math.radians(1e-3)
 """Error that needs no explanation, rad; a smaller one counts as this."""
 
 
@@ -71,7 +72,7 @@ class Matched:
     @property
     def since_s(self) -> Array:
         """Times since the origin, s, shape (N,)."""
-        return np.asarray((self.stamps_ns - self.origin) / 1e9)
+        return (self.stamps_ns - self.origin) / 1e9
 
     def __getitem__(self, chosen: slice | Integers | Booleans) -> Matched:
         """Some of the samples."""
@@ -110,7 +111,7 @@ class Matched:
     def differences(self, other: Matched) -> Array:
         """Angles to other attitudes, sample by sample while both go on, rad."""
         both = min(len(self.stamps_ns), len(other.stamps_ns))
-        return np.asarray(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both]))
+        return angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])
 
     def max_difference(self, other: Matched) -> float:
         """Largest of these differences, rad."""
@@ -154,7 +155,7 @@ def valleys(values: Array) -> Integers:
     """Indices of the local minima of some values, the lowest first."""
     around = np.concatenate([[np.inf], values, [np.inf]])
     lowest = np.flatnonzero((values <= around[:-2]) & (values <= around[2:]))
-    return np.asarray(lowest[np.argsort(values[lowest], kind="stable")])
+    return lowest[np.argsort(values[lowest], kind="stable")]
 
 
 def lags_of_rates(track: Matched, longest_s: float, most: int = 150) -> list[float]:

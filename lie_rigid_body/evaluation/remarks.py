@@ -8,6 +8,7 @@ attitudes that no constant rotation explains. Such a map explains their turns to
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
@@ -82,7 +83,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
 
     Gaps are looked for in each smooth motion of the truth.
     """
-    begin = int(stamps[0])
+    begin = stamps[0]
     doubles = stamps[~first]
     kept = stamps[first]
     if doubles.size:
@@ -124,15 +125,15 @@ def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None)
     inside = stamps[(stamps >= truth.first_ns) & (stamps <= last_ns)]
     most = max(ABSENT * (last_ns - truth.first_ns), GAP_PERIODS * period_ns(inside))
     absent = {
-        "begins {:g} s after the truth": int(inside[0]) - truth.first_ns,
-        "ends {:g} s before the run does": last_ns - int(inside[-1]),
+        "begins {:g} s after the truth": inside[0] - truth.first_ns,
+        "ends {:g} s before the run does": last_ns - inside[-1],
     }
     for what, missing in absent.items():
         if missing > most:
             yield Remark(
                 "gaps", f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
             )
-    outside = int(np.count_nonzero(~known))
+    outside = np.count_nonzero(~known)
     if outside > ABSENT * len(known):
         yield Remark(
             "gaps",
@@ -179,12 +180,12 @@ class Turns:
         begins, ends = runs_of(0, still)
         if not len(begins):
             return None
-        k = int(np.argmax(ends - begins))
+        k = np.argmax(ends - begins)
         every = slice(begins[k], ends[k] + 1)
         t_s = (self.stamps_ns - self.stamps_ns[0]) / 1e9
-        since = float(t_s[self.first[begins[k]]])
-        until = float(t_s[self.first[ends[k]] + 1])
-        turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
+        since = t_s[self.first[begins[k]]]
+        until = t_s[self.first[ends[k]] + 1]
+        turned, turn = (round(math.degrees(one[every].sum()), 6) for one in (self.ours_rad, self.true_rad))
         is_long = until - since >= LONG * t_s[-1] and until >= t_s[-1] / 4.0  # in a quarter of a run a filter may begin
         if not is_long or len(self.first[every]) < MIN_SAMPLES or turn < np.degrees(MIN_TURN):
             return None
@@ -203,7 +204,7 @@ class Turns:
         jumps = self.ours_rad > np.maximum(MIN_TURN, JUMP * self.true_rad)
         if np.count_nonzero(jumps) <= max(MIN_SAMPLES, MIN_MIXED * len(jumps)):
             return None
-        jump = float(np.median(self.ours_rad[jumps]))
+        jump = np.median(self.ours_rad[jumps])
         at = self.first[jumps]
         ours, true = (angles_between(q[at[:-1]], q[at[1:] + 1]) for q in (self.estimate_xyzw, self.truth_xyzw))
         if np.percentile(np.abs(ours - true), 90) * JUMP > jump:
@@ -224,7 +225,7 @@ class Turns:
         missed = _missed(
             ours, np.stack([scale * np.einsum("aij,nj->ani", SIGNED_PERMUTATIONS, true) for scale in SCALES])
         )
-        most = CLEARLY * max(float(missed.min()), MIN_MISS)
+        most = CLEARLY * max(missed.min(), MIN_MISS)
         if missed.min() > MAX_MISS:  # about the axes of the body perhaps, at any other rate
             scale = float(np.sum(ours * true) / np.sum(true**2))
             is_rate = max(scale, 1.0 / max(scale, 1e-300)) > CLOCK_RATIO and _missed(ours, scale * true) <= MAX_MISS
@@ -257,5 +258,5 @@ def _missed(ours: Array, predicted: Array) -> Array:
     An RMS, unlike a median, also counts axes about which the body turns for a short time only, as in a flip.
     """
     missed = angles_between(quaternion.exp(predicted), quaternion.exp(ours))
-    turned = max(float(np.median(norm(ours))), 1e-300)
-    return np.asarray(np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1)))
+    turned = max(np.median(norm(ours)), 1e-300)
+    return np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -122,9 +122,9 @@ class BoundComparison:
     smoothed: Statistics | None
     unobserved: str
     beaten: bool
-    calibrated: BoundComparison | None = None
-    dynamic: BoundComparison | None = None
-    carried: bool = False
+    calibrated: BoundComparison | None
+    dynamic: BoundComparison | None
+    carried: bool
 
     @classmethod
     def of(cls, bound: CramerRaoBound, stamps_ns: Integers, rms_deg: float) -> BoundComparison:
@@ -212,15 +212,15 @@ class Score(Shown):
     broken: tuple[str, ...]
     outside: int
     truth_uncertainty_deg: float
-    consistency: Consistency | None = None
-    gyro_bias: BiasEstimate | None = None
-    best: BoundComparison | None = None
-    limits: Limits = field(default_factory=Limits)
-    of_sensors_deg: float | None = None
-    gyro_at_limit: float = 0.0
-    settled_deg: float | None = None
-    remarks: tuple[str, ...] = ()
-    notes: tuple[ScoreNote, ...] = ()
+    consistency: Consistency | None
+    gyro_bias: BiasEstimate | None
+    best: BoundComparison | None
+    limits: Limits
+    of_sensors_deg: float | None
+    gyro_at_limit: float
+    settled_deg: float | None
+    remarks: tuple[str, ...]
+    notes: tuple[ScoreNote, ...]
 
     def __repr__(self) -> str:
         """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
@@ -269,7 +269,7 @@ class Score(Shown):
 
     def to_dict(self, *, series: bool = False) -> dict[str, object]:
         """JSON-serialisable data of the score, if wanted with stamps, ns, and the errors of every sample."""
-        content: dict[str, object] = {
+        content = {
             "samples": self.samples,
             "outside": self.outside,
             "total_deg": asdict(self.total_deg),

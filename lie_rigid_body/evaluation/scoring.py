@@ -5,6 +5,7 @@ The diagnosis says which causes are named, and each in one sentence, with number
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -225,7 +226,7 @@ def score_estimate(
     statistics = Statistics.of(total)
     tally = Tally(options.limits)
     tally.add(track.stamps_ns, error)
-    uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
+    uncertainty = math.degrees(truth.uncertainty_at(track.stamps_ns))
     limit = options.converged_deg
     settled_deg = None
     if limit is None:
@@ -261,7 +262,7 @@ def score_estimate(
         gyro_bias=gyro_bias,
         best=None if sensors.bound is None else BoundComparison.of(sensors.bound, track.stamps_ns, statistics.rms),
         limits=options.limits,
-        of_sensors_deg=float(np.degrees(sensors.left_rad)) if found.of_sensors else None,
+        of_sensors_deg=math.degrees(sensors.left_rad) if found.of_sensors else None,
         gyro_at_limit=sensors.gyro_at_limit,
         settled_deg=settled_deg,
         remarks=(NO_GRAVITY,) if sensors.weightless and np.median(inclination) > UNLIKE_DEG else (),
@@ -271,7 +272,7 @@ def score_estimate(
 
 def _apart(stamps: Integers, truth: Truth) -> str:
     """Error message that none of the stamps is within the truth."""
-    ahead = (int(stamps[0]) - truth.first_ns) / 1e9
+    ahead = (stamps[0] - truth.first_ns) / 1e9
     return (
         f"estimate: none of its {len(stamps)} stamps is within the truth, from {truth.first_ns / 1e9:.12g} s to "
         f"{truth.last_ns / 1e9:.12g} s: they begin {abs(ahead):.9g} s {'after' if ahead > 0 else 'before'} it; stamp "
@@ -323,7 +324,7 @@ def diagnose(
     if sure:  # of fast turns every sample jumps
         remark = (turned.other() if sure.code == "mixed" else None) or sure
         return Diagnosis(findings=(Finding(*remark, rms(error)),))
-    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, float(stamps[-1] - stamps[0]) / 4e9)
+    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, (stamps[-1] - stamps[0]) / 4e9)
     evidence = _evidence(track, longest_s, left_by_sensors)
     choice = evidence.choice() if evidence else NOTHING
     named = choice.named
@@ -390,7 +391,7 @@ def _ahead(evidence: Evidence, choice: Choice, lag: Lag) -> tuple[ScoreNote, ...
     lag_s = lag.lag_s or 0.0
     is_lead = -LEAD * evidence.period_s <= lag_s < -SIGNIFICANT * (lag.standard_error_s or 0.0)
     by_lag = -lag_s * evidence.root_mean_square_rate if is_lead else 0.0
-    turn = float(np.degrees(by_lag or (0.0 if choice.named.causes else evidence.lead[0])))
+    turn = math.degrees(by_lag or (0.0 if choice.named.causes else evidence.lead[0]))
     if turn <= MIN_LIMIT:
         return ()
     message = (
@@ -428,7 +429,7 @@ def _in_words(
 
 def _errors(track: Matched, parts: Parts) -> Array:
     """Errors without some causes where the truth is known, degrees."""
-    return np.asarray(np.degrees(undone(track, parts).known().error().total))
+    return np.degrees(undone(track, parts).known().error().total)
 
 
 def _finding(part: Part, before: Array, after: Array, track: Matched, instead: Sequence[str] = ()) -> Finding:

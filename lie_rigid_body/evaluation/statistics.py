@@ -5,6 +5,7 @@ Limits are written on a command line as ``1deg``, or ``10s:2deg`` from a time on
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from typing import Final
@@ -60,7 +61,7 @@ class Statistics:
 def rms(errors: Array) -> float:
     """Root mean square; scaled by the largest value, so that tiny errors do not underflow."""
     largest = float(np.abs(errors).max(initial=0.0))
-    return largest * float(np.sqrt(np.mean((errors / largest) ** 2))) if largest else 0.0
+    return largest * math.sqrt(np.mean((errors / largest) ** 2)) if largest else 0.0
 
 
 def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
@@ -225,7 +226,7 @@ class Tally:
         t_s = (stamps_ns - self._first_ns) / 1e9
         for number, (start, _) in enumerate(self.limits.max_after):
             late_deg = np.where(t_s >= start, angles_deg[0], -np.inf)
-            largest = int(np.argmax(late_deg))
+            largest = np.argmax(late_deg)
             if late_deg[largest] > self._worst[number][1]:  # of as large ones the first counts
                 self._worst[number] = float(t_s[largest]), float(late_deg[largest])
 
@@ -237,7 +238,7 @@ class Tally:
     @property
     def rms_deg(self) -> Array:
         """RMS of the total, heading and inclination error, degrees, shape (3,)."""
-        return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
+        return np.sqrt(self._squares / max(self.count, 1))
 
     def broken(self, given: int = 0, due_ns: int | None = None) -> Iterator[str]:
         """Sentences about the limits that the samples so far break, one for each, and about too few to keep any.

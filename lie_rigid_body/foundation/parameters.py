@@ -16,6 +16,8 @@ from lie_rigid_body.foundation.wording import shown, suggestion
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "string_array", "bool"]
 Vector: TypeAlias = tuple[float, ...]
 Value: TypeAlias = float | int | str | bool | Vector | tuple[str, ...]
+Given: TypeAlias = Mapping[str, object]
+"""Values by the names under which they are given, most often those of parameters."""
 
 NS: Final = 1_000_000_000
 """Nanoseconds in a second."""

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeAlias
 
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -316,6 +316,10 @@ class Bag(BagFacts):
             readings[FAULTS_TOPIC] = [*self._faults()]
         facts = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
         return Recording(**facts, poses=poses, twists=twists, readings=readings)
+
+
+AnyBag: TypeAlias = Bag | Recording
+"""A bag that is read from its file, or a recording in memory."""
 
 
 def read_bag(path: str | Path) -> Recording:

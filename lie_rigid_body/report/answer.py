@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -50,14 +50,14 @@ class Table:
         Empty without a line of headings.
     rows : sequence of sequence of str
     heading : str
-    marked : collection of int
-        Indices of the rows that a page marks, such as those that break a law.
+    marked : sequence of bool
+        Whether a page marks each row, as it does those that break a law; empty where it marks none.
     """
 
     headings: Sequence[str]
     rows: Sequence[Sequence[str]]
     heading: str = ""
-    marked: Collection[int] = ()
+    marked: Sequence[bool] = ()
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def parts(campaign: Campaign, comparison: Comparison, varied: Varied) -> Parts:
 
 def _table(comparison: Comparison) -> Parts:
     summaries = comparison.summaries
-    failed = {number for number, one in enumerate(summaries) if one.failed.any()}
+    failed = [bool(one.failed.any()) for one in summaries]
     return [Table(_COLUMNS, [_cells(one) for one in summaries], "Estimators", failed), Sentences([_HEAD])]
 
 

@@ -114,9 +114,9 @@ def _proved(proof: Proof) -> str:
     if broken := sum(not sample.holds for sample in proof.samples):
         return (
             f"proved: {broken} of {count} samples are beyond their limit; the attitude is at least "
-            f"{worst.at_least:.2g} rad off the true one (limit {worst.limit:.2g}) at {where}"
+            f"{worst.attitude_at_least_rad:.2g} rad off the true one (limit {worst.attitude_limit_rad:.2g}) at {where}"
         )
-    return f"proved: within {worst.at_most:.2g} rad at {counted(count, 'sample')}, worst at {where}"
+    return f"proved: within {worst.attitude_at_most_rad:.2g} rad at {counted(count, 'sample')}, worst at {where}"
 
 
 def _laws(certificate: Certificate) -> Iterator[Part]:
@@ -136,8 +136,7 @@ def _laws(certificate: Certificate) -> Iterator[Part]:
 def _table(laws: Iterable[tuple[LawResult, float | None]], heading: str = "") -> Table:
     """Table of laws, each with the time of its worst sample since the segment's start, s."""
     told = [*laws]
-    broken = {number for number, (law, _) in enumerate(told) if not law.holds}
-    return Table(_HEADINGS, [law_cells(law, time_s) for law, time_s in told], heading, broken)
+    return Table(_HEADINGS, [law_cells(*each) for each in told], heading, [not law.holds for law, _ in told])
 
 
 def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:
@@ -202,21 +201,8 @@ def as_json(bag: str, certificate: Certificate, proof: Proof | None = None) -> d
         else {
             "proved": {
                 "passed": proof.passed,
-                "attitude_rad": max((sample.at_most for sample in proof.samples), default=math.nan),
-                "samples": [
-                    {
-                        "segment": sample.segment,
-                        "sample": sample.sample,
-                        "stamp_ns": sample.stamp_ns,
-                        "time_s": sample.time_s,
-                        "attitude_at_least_rad": sample.at_least,
-                        "attitude_at_most_rad": sample.at_most,
-                        "attitude_limit_rad": sample.limit,
-                        "body_rate_at_most_rad_s": sample.rate_at_most,
-                        "holds": sample.holds,
-                    }
-                    for sample in proof.samples
-                ],
+                "attitude_rad": max((sample.attitude_at_most_rad for sample in proof.samples), default=math.nan),
+                "samples": [{**vars(sample), "holds": sample.holds} for sample in proof.samples],
             }
         }
     )

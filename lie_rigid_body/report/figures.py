@@ -110,7 +110,7 @@ def herpolhode(piece: RecordedSegment) -> Array | None:
         return None
     right = scipy.linalg.null_space(momentum[np.newaxis])[:, 0]
     other = np.cross(momentum / np.linalg.norm(momentum), right)
-    return np.asarray(quaternion.rotate(states.attitude_xyzw, states.body_rate) @ np.stack([right, other], axis=1))
+    return quaternion.rotate(states.attitude_xyzw, states.body_rate) @ np.stack([right, other], axis=1)
 
 
 def _draw_herpolhode(axes: Axes, points: Array) -> None:
@@ -130,7 +130,7 @@ def body(piece: RecordedSegment) -> tuple[Look, list[str], str] | None:
     scenario = piece.segment.scenario
     _, begin = first_arc(piece)
     momentum = scenario.body().angular_momentum(begin)
-    followed = int(np.argmax(np.abs(begin.body_rate)))
+    followed = np.argmax(np.abs(begin.body_rate))
     moving = _moving(piece, states)[: -1 if scenario.path() else None]
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=False)),
@@ -138,7 +138,7 @@ def body(piece: RecordedSegment) -> tuple[Look, list[str], str] | None:
         _line(_cross(1.0), "axes of the world", _WORLD, 2, **_letters("XYZ", 12)),
     ]
     # the eye is across the angular momentum and somewhat above
-    azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
+    azimuth = np.arctan2(momentum[1], momentum[0]) + np.radians(60.0)
     eye = _places(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
     hidden = {f"{name}axis": {"visible": False, "range": [-_REACH, _REACH]} for name in "xyz"}
     layout = {
@@ -164,7 +164,7 @@ def _frames(piece: RecordedSegment) -> tuple[Array, State]:
     """Times since the first sample, s, and states of the frames."""
     t = times(piece.stamps_ns, [piece])
     fastest = piece.segment.scenario.rate_bound()
-    horizon = min(float(t.max(initial=0.0)), FRAMES * _TURN / fastest if fastest else np.inf)
+    horizon = min(t.max(initial=0.0), FRAMES * _TURN / fastest if fastest else np.inf)
     at = np.unique(np.searchsorted(t, np.linspace(0.0, horizon, FRAMES) - 1e-9))[: len(t)]  # of no sample none
     states, sane = usable(piece, at)
     return t[at[sane]], states
@@ -275,7 +275,7 @@ def draw_law(axes: Axes, law: LawResult, series: tuple[Array, Array, Array, Bool
 
     t, residuals, limits, broken = series
     finite = np.concatenate([residuals, limits])
-    top = min(_BEYOND * float(finite[np.isfinite(finite)].max(initial=0.0)) or 1.0, _HIGHEST)
+    top = min(_BEYOND * finite[np.isfinite(finite)].max(initial=0.0) or 1.0, _HIGHEST)
     heights = np.minimum(residuals, top)
     axes.set_yscale("log", nonpositive="mask")
     axes.plot(t, heights, ".-", color=BLUE, lw=1.2, ms=3, label="largest residual")

@@ -55,7 +55,7 @@ def parts_of_diagnosis(found: FilterDiagnosis) -> Parts:
                 for p in found.probes
             ],
             "Probes",
-            {number for number, probe in enumerate(found.probes) if probe.passed is False},
+            [probe.passed is False for probe in found.probes],
         ),
         Table(
             ("situation", "RMS error"),
@@ -93,7 +93,6 @@ def _draw(found: FilterDiagnosis) -> Figure:
 def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
     """Answer about the place of one's own rows in the league; they are marked."""
     rows = (*table.rows, table.bound)
-    marked = {number for number, row in enumerate(rows) if row in own}
     return [
         Sentences([standing(table, row) for row in own]),
         Sentences(
@@ -108,11 +107,8 @@ def parts_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Parts:
         ),
         Table(
             HEADINGS,
-            [
-                ("> " * (number in marked) + name, *cells)
-                for number, (name, *cells) in enumerate(cells_of_row(table, row) for row in rows)
-            ],
-            marked=marked,
+            [("> " * (row in own) + name, *cells) for row in rows for name, *cells in [cells_of_row(table, row)]],
+            marked=[row in own for row in rows],
         ),
         Picture(lambda: html_page.picture(partial(draw_league, table, 10.0))),
     ]

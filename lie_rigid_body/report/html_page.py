@@ -5,9 +5,10 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import __version__
@@ -195,12 +196,12 @@ def paragraph(text: str) -> str:
     return f"<p>{escaped(text)}</p>"
 
 
-def table(headings: Sequence[str], rows: Sequence[Sequence[str]], marked: Collection[int]) -> str:
-    """Table of plain text, with marks on some rows, by their indices."""
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]], marked: Sequence[bool]) -> str:
+    """Table of plain text, whose first rows may be marked."""
     head = "".join(f"<th>{escaped(heading)}</th>" for heading in headings)
     body = "".join(
-        f"<tr{' class=broken' if i in marked else ''}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
-        for i, cells in enumerate(rows)
+        f"<tr{' class=broken' if is_marked else ''}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
+        for cells, is_marked in zip_longest(rows, marked)
     )
     return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -101,7 +102,7 @@ def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
     told = dict(sensors)
     bias = told.pop("gyro_bias", None)
     if bias is not None:  # the simulator draws one by its standard deviation
-        told["gyro_turn_on_bias"] = Estimated(float(np.sqrt(np.mean(np.square(bias.value)))), 0.0)
+        told["gyro_turn_on_bias"] = Estimated(math.sqrt(np.mean(np.square(bias.value))), 0.0)
     lines = [
         f"# Sensors as in {name}, by '{program('inspect')}'. What the log does not show is a comment.",
         "/**:",
@@ -177,7 +178,7 @@ def _draw_allan(axes: Axes, found: Inspection, sensor: str) -> None:
     (rest,) = (mark for mark in found.marks if mark.text == "rest")
     _, t_ns, readings = _readings(found, found.repaired(), sensor)
     still = (t_ns >= rest.begin_ns) & (t_ns <= rest.end_ns)
-    measured = allan(readings[still], float(np.median(np.diff(t_ns))) / 1e9)
+    measured = allan(readings[still], np.median(np.diff(t_ns)) / 1e9)
     fitted = density(measured)
     axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
     model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
@@ -202,7 +203,7 @@ def _fields(found: Inspection) -> Iterator[str]:
 
 def _draw_field(axes: Axes, both: Array, i: int, j: int) -> None:
     """Draw components of readings of shape (2, N, 3), µT, and a circle of the size of the field."""
-    radius = float(np.median(np.linalg.norm(both[1], axis=1)))
+    radius = np.median(np.linalg.norm(both[1], axis=1))
     circle = radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 200))
     rows = slice(None, None, max(both.shape[1] // 1000, 1))
     axes.plot(circle.real, circle.imag, color=BLACK, lw=0.8, label="size of the field")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -20,10 +21,9 @@ _SUFFIXES: Final = {"json": JSON_SUFFIX, "report": ".html", "plot": ".png", "out
 
 
 def require_outputs(
-    outputs: Mapping[str, str | None],
+    given: argparse.Namespace,
     inputs: Iterable[str | Path],
-    *,
-    overwrite: bool,
+    *options: str,
     with_film: bool = False,
     suffixes: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
@@ -31,12 +31,12 @@ def require_outputs(
 
     Parameters
     ----------
-    outputs : mapping of str to str or None
-        Files by the names of their options: ``json``, ``report``, ``plot``, ``parameters`` or ``out``; None where one
-        is not wanted, `STDOUT` where it is none.
+    given : argparse.Namespace
+        Arguments of a verb, with `FORCE`.
     inputs : iterable of str or Path
-    overwrite : bool
-        Whether existing files are replaced.
+    *options : str
+        Names of the options that name files to write: ``json``, ``report``, ``plot``, ``parameters`` or ``out``; one
+        is None where it is not wanted, `STDOUT` where it is none.
     with_film : bool, optional
         Whether a page has a film by plotly, which has to be installed.
     suffixes : mapping of str to str, optional
@@ -46,7 +46,7 @@ def require_outputs(
     ------
     InputError, BagError
     """
-    wanted = {name: path for name, path in outputs.items() if path}
+    wanted = {name: path for name in options if (path := getattr(given, name))}
     for name, path in wanted.items():
         require_suffix(f"--{name}", path, (_SUFFIXES | dict(suffixes))[name])
     if "report" in wanted and with_film and not find_spec("plotly"):
@@ -54,49 +54,43 @@ def require_outputs(
     paths = [*wanted.values()]
     read = [*inputs] if wanted else []
     for number, path in enumerate(paths):
-        require_room(path, read, overwrite=overwrite)
+        require_room(path, read, overwrite=given.force)
         require_other(path, paths[:number], "output")
 
 
 def emit(
+    given: argparse.Namespace,
     files: Mapping[str | None, Callable[[], bytes | None]],
-    text: Callable[[], str] | None = None,
-    content: Callable[[], object] | None = None,
+    text: Callable[[], str],
+    content: Callable[[], object],
     *,
-    as_json: str | None = None,
-    overwrite: bool = False,
     passed: bool = True,
 ) -> int:
     """Write the files of a verb, print its answer on stdout, and return its exit status.
 
     Parameters
     ----------
+    given : argparse.Namespace
+        Arguments of the verb, with `FORCE` and `json_option`.
     files : mapping of str or None to callable
         Function that gives the content of each file, by its path, or writes it itself; None where it is not wanted.
-    text : callable, optional
+    text : callable
         Gives the answer for people; lines that name the files follow it.
-    content : callable, optional
+    content : callable
         Gives the answer for programs, for JSON; a number that is not finite becomes null.
-    as_json : str, optional
-        File of the answer for programs; `STDOUT`: that is the answer on stdout.
-    overwrite : bool, optional
-        Whether existing files are replaced.
     passed : bool, optional
         Whether no law and no limit is broken, and no mistake is named.
     """
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     made = {path: make() for path, make in files.items() if path is not None}
     for_programs = ""
-    if content and as_json is not None:
+    if given.json is not None:
         for_programs = json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)
-    if as_json:
-        made[as_json] = f"{for_programs}\n".encode()
-    if as_json == STDOUT:
-        lines = [for_programs]
-    else:
-        lines = [*([text()] if text else []), *(f"wrote {printable(name)}" for name in made)]
+    if given.json:
+        made[given.json] = f"{for_programs}\n".encode()
+    lines = [for_programs] if given.json == STDOUT else [text(), *(f"wrote {printable(name)}" for name in made)]
     for path, data in made.items():
         if data is not None:
-            write_file(path, data, overwrite=overwrite)
+            write_file(path, data, overwrite=given.force)
     console.say("\n".join(lines), done=", ".join(f"{name} is written" for name in made))
     return console.SUCCESS if passed else console.BROKEN

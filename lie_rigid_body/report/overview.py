@@ -66,16 +66,14 @@ def page_of_verdicts(title: str, verdicts: Verdicts) -> bytes:
 
 def _parts(verdicts: Verdicts) -> Parts:
     """Answer about many bags: how many there are of each verdict, a row for each, what is broken or left out."""
-    passed = all(verdict.status == console.SUCCESS for verdict in verdicts)
     judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
     broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
-    marked = {number for number, verdict in enumerate(verdicts) if verdict.status != console.SUCCESS}
     return [
-        Conclusion([_summary(verdicts)], passed),
+        Conclusion([_summary(verdicts)], not any(verdict.status for verdict in verdicts)),
         Table(
             ("verdict", "samples", "attitude, rad", "worst law", "of limit", "bag"),
             [_cells(verdict) for verdict in verdicts],
-            marked=marked,
+            marked=[bool(verdict.status) for verdict in verdicts],
         ),
         Sentences(broken, "Broken laws"),
         Sentences(uncovered(verdicts), "Not certified, besides what is not of any bag"),
@@ -87,7 +85,7 @@ def as_json(verdicts: Verdicts) -> dict[str, object]:
     """Data for JSON: numbers of the verdicts, and for each bag or body what it has alone."""
     counts = Counter(verdict.status for verdict in verdicts)
     return {
-        "passed": all(verdict.status == console.SUCCESS for verdict in verdicts),
+        "passed": not any(verdict.status for verdict in verdicts),
         **{name.lower(): counts[status] for status, name in _VERDICTS.items()},
         "bags": [
             {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}

@@ -14,7 +14,7 @@ from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import AnyBag
 from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
@@ -46,7 +46,7 @@ Pieces = Sequence[RecordedSegment]
 """Segments of one recording, in the order of time."""
 
 
-def recorded_segments(bag: Bag | Recording, certificate: Certificate | None = None) -> list[RecordedSegment]:
+def recorded_segments(bag: AnyBag, certificate: Certificate | None = None) -> list[RecordedSegment]:
     """Segments of a bag with their samples, 80 bytes each.
 
     Parameters
@@ -76,7 +76,7 @@ def first_arc(piece: RecordedSegment) -> tuple[RecordedSegment, State]:
     scenario = piece.segment.scenario
     kicks = scenario.kick_schedule()
     begin = scenario.start()
-    samples: Block = piece
+    samples = piece
     for number, places in kicks.parts(piece.stamps_ns - piece.segment.start_ns):
         samples = piece[places]
         begin = scenario.exact_motion().at(kicks.begin_ns(number)) if number else begin
@@ -105,7 +105,7 @@ class ResidualsOverTime(Watch):
         stamps_ns, largest = (np.concatenate(each, axis=-1) for each in zip(*self.pieces[name], strict=True))
         order = np.argsort(stamps_ns, kind="stable")
         residuals, limits, broken = largest[:, order]
-        return np.asarray((stamps_ns[order] - origin_ns) * 1e-9), residuals, limits, broken > 0.0
+        return (stamps_ns[order] - origin_ns) * 1e-9, residuals, limits, broken > 0.0
 
 
 def in_words(scenario: Scenario) -> str:
@@ -135,7 +135,7 @@ def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Boo
     norms = np.linalg.norm(attitude, axis=1)
     largest = np.abs(rate).max(axis=1)
     sane = np.isfinite(norms) & (norms > 0.0) & (largest <= _FAR * piece.segment.scenario.rate_bound())
-    return State.trusted(attitude[sane] / norms[sane, np.newaxis], rate[sane]), np.asarray(sane)
+    return State.trusted(attitude[sane] / norms[sane, np.newaxis], rate[sane]), sane
 
 
 def path(piece: RecordedSegment, most: int) -> State:
@@ -173,7 +173,7 @@ class Ellipsoid:
         """Ellipsoid and polhode of the first moving arc, of so many points at most; none at rest or on a path."""
         body = piece.segment.scenario.body()
         arc, begin = first_arc(piece)
-        energy = float(body.kinetic_energy(begin))
+        energy = body.kinetic_energy(begin)
         rates = path(arc, most).body_rate
         if energy == 0.0 or not len(rates) or piece.segment.scenario.path():
             return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, cast
 
@@ -141,7 +142,7 @@ def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str
         axes.text2D(0.5, 0.5, "no polhode at rest or along a path", transform=axes.transAxes, ha="center")
         axes.set_axis_off()
         return
-    power = 3 * int(np.floor(np.log10(found.radii.max()) / 3.0))  # slow and fast motions have short numbers as well
+    power = 3 * math.floor(np.log10(found.radii.max()) / 3.0)  # slow and fast motions have short numbers as well
     ellipsoid = Ellipsoid(found.radii / 10.0**power, found.polhode / 10.0**power)
     axes.view_init(*VIEW)
     axes.set_proj_type("ortho")

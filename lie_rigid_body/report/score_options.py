@@ -116,7 +116,7 @@ def is_live(argv: Sequence[str]) -> bool:
     return not parse(argv).run
 
 
-def parse(argv: Sequence[str]) -> argparse.Namespace:
+def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the arguments, without the program's name; those for ROS, which are not read, are in ``ros``.
 
     Raises
@@ -168,8 +168,7 @@ def require_room(given: argparse.Namespace) -> None:
 
     read = [*filter(None, (given.run, given.truth)), *(each for each in given.estimate or () if Path(each).is_file())]
     inputs = [file for path in read for file in (files_of(path) if is_bag(path) else [path])]
-    outputs = {"json": given.json, "plot": given.plot, "report": given.report, "out": given.out}
-    require_outputs(outputs, inputs, overwrite=given.force)
+    require_outputs(given, inputs, "json", "plot", "report", "out")
 
 
 def answer(
@@ -213,6 +212,7 @@ def answer(
         draw = partial(scores.draw, title, score)
         content = partial(scores.as_json, source or None, read, score, series=given.series)
     status = emit(
+        given,
         {
             given.out: write_out
             or partial(write_scored, given.out, truth, scored, given.covariance_axes, overwrite=given.force),
@@ -221,8 +221,6 @@ def answer(
         },
         lambda: as_text(parts, title),
         content,
-        as_json=given.json,
-        overwrite=given.force,
         passed=all(score.passed for _, score in scored),
     )
     for fault in filter(None, (read.fault for read, _ in scored)):

@@ -78,7 +78,7 @@ def parts_of_several(scored: Scored) -> Parts:
         Table(
             _HEADINGS,
             [_cells(*each) for each in scored],
-            marked={number for number, (_, score) in enumerate(scored) if not score.passed},
+            marked=[not score.passed for _, score in scored],
         ),
         Picture(lambda: html_page.picture(partial(curves, "", scored))),
         Sentences([f"{_SOURCE}; RMS and 95 % of the total error, degrees."]),
@@ -246,7 +246,7 @@ def draw(title: str, score: Score) -> Figure:
     """
     nees = score.consistency
     bias = score.gyro_bias
-    panels: list[Panel] = [
+    panels = [
         (partial(_draw_total, score=score), "error [deg]"),
         (partial(_draw_parts, score=score), "error [deg]"),
         *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES")] if nees else []),
@@ -284,7 +284,7 @@ def _figure(titles: Sequence[str], height: float, panels: Sequence[Panel]) -> Fi
 
 def _draw_several(axes: Axes, scored: Scored) -> None:
     """Draw the total error of each estimate."""
-    first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
+    first_ns = min(score.stamps_ns[0] for _, score in scored)
     for number, (read, score) in enumerate(scored):
         name = label(f"{shortened(printable(read.track.topic), 30)}, {in_degrees(score.total_deg.rms)} rms")
         t_s = (score.stamps_ns - first_ns) / 1e9
@@ -295,7 +295,7 @@ def _draw_several(axes: Axes, scored: Scored) -> None:
 def _draw_total(axes: Axes, score: Score) -> None:
     """Draw the total error, the Cramér–Rao bound and the limits, on a logarithmic axis where one of these is shown."""
     total = np.degrees(score.error.total)
-    end = float(score.t_s[-1])
+    end = score.t_s[-1]
     axes.set_xlim(0.0, end or 1.0)
     drawn = [total]
     draw_curve(axes, score.t_s, total, BLACK, "total")
@@ -337,11 +337,11 @@ def _draw_bias(axes: Axes, first_ns: int, bias: BiasEstimate) -> None:
 
 def _scale(axes: Axes, curves: Sequence[Array]) -> None:
     """Choose the scale and the range of an axis of errors: several curves or limits may be of any sizes."""
-    top = max(float(curve.max()) for curve in curves)
+    top = max(curve.max() for curve in curves)
     positive = [curve[curve > 0.0] for curve in curves if (curve > 0.0).any()]
-    wide = top > _WIDE_SPAN * float(np.median(curves[0])) > 0.0
+    wide = top > _WIDE_SPAN * np.median(curves[0]) > 0.0
     if positive and (wide or len(curves) > 1):
-        bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * float(curves[0].max()))
+        bottom = max(min(np.percentile(curve, 1.0) for curve in positive), 1e-6 * curves[0].max())
         axes.set(yscale="log", ylim=(bottom / 1.5, 1.5 * top))
     else:
         axes.set_ylim(0.0, 1.05 * top or 1.0)

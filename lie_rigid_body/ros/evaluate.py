@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 
 from lie_rigid_body.report.score_options import parse, require_room
@@ -26,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score, 130 when interrupted before an
         estimate came. An estimate with attitudes that cannot be used has its score, and 2.
     """
-    given = parse(sys.argv[1:] if argv is None else argv)
+    given = parse(argv)
     require_room(given)
     require_ros()
     with Interruption.current().noted() as interruption:

@@ -9,7 +9,7 @@ import argparse
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -28,7 +28,7 @@ from lie_rigid_body.evaluation import AttitudeError, Finding, Limits, Score
 from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
-from lie_rigid_body.foundation.parameters import exact_duration
+from lie_rigid_body.foundation.parameters import Given, exact_duration
 from lie_rigid_body.foundation.wording import in_degrees, suggestion
 from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.report.score_options import answer
@@ -186,7 +186,7 @@ def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     return _score(given, following, missing, complete)
 
 
-def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> None:
+def _override(given: argparse.Namespace, parameters: Given) -> None:
     """Take the parameters of the node, which win over the options of the same names."""
     for name, value in parameters.items():
         if name not in NODE_PARAMETERS:

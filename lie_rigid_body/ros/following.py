@@ -29,6 +29,8 @@ TRUTH: Final = "truth"
 MESSAGES_KEPT: Final = 5000
 """Messages of a topic kept between two looks at it: a simulation may send as fast as it can."""
 
+Topics: TypeAlias = dict[str, list[str]]
+"""Topics by their names, with their types."""
 Hear: TypeAlias = Callable[[list[bytes]], object]
 """A function that takes messages of one topic."""
 
@@ -140,16 +142,15 @@ class Following:
             hear(payloads)
         except LieRigidBodyError as error:
             if len(payloads) > 1:
-                half = len(payloads) // 2
-                self._hand_on(topic, payloads[:half], hear)
-                self._hand_on(topic, payloads[half:], hear)
+                for payload in payloads:
+                    self._hand_on(topic, [payload], hear)
                 return
             count, reason = self._unreadable.get(topic, (0, str(error)))
             self._unreadable[topic] = count + 1, reason
             if not count:
                 self._node.get_logger().warning(f"a message of {topic} is left out: {reason}")
 
-    def published(self) -> dict[str, list[str]]:
+    def published(self) -> Topics:
         """The topics that have a publisher, with their types."""
         found = dict(self._node.get_topic_names_and_types())
         return {topic: kinds for topic, kinds in found.items() if self._node.count_publishers(topic)}
@@ -178,7 +179,7 @@ class Following:
             return f"nobody publishes {listed(gone)} any more"
         return f"nothing more of {self.estimate} can be compared: is its node busy, or the simulation paused?"
 
-    def _true_topics(self, there: dict[str, list[str]]) -> dict[str, str]:
+    def _true_topics(self, there: Topics) -> dict[str, str]:
         """Types of the topics of the truth by their names, as far as they are there or have been."""
         there = {topic: [kind] for topic, kind in self._true_kinds.items()} | there
         if self._truth in there:
@@ -196,7 +197,7 @@ class Following:
         found = {scenario: STRING, pose: POSE_STAMPED}
         return {topic: kind for topic, kind in found.items() if topic is not None}
 
-    def _nearest(self, there: dict[str, list[str]], ending: str, kind: str) -> str | None:
+    def _nearest(self, there: Topics, ending: str, kind: str) -> str | None:
         try:
             return nearest([t for t, kinds in there.items() if kind in kinds], ending, self.estimate)
         except InputError as error:

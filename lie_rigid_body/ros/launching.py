@@ -10,13 +10,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from datetime import datetime
 from itertools import product
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import yaml
 
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.parameters import Given
 from lie_rigid_body.foundation.wording import suggestion
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.report import score_options
@@ -27,6 +28,10 @@ from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
 from lie_rigid_body.sensors import frame_parameters
 
 RVIZ_FILE: Final = CONFIG / "rviz" / "lie_rigid_body.rviz"
+Texts: TypeAlias = Mapping[str, str]
+"""Values of launch arguments, by their names."""
+Settings: TypeAlias = dict[str, Any]
+"""Settings of ``launch_ros.actions.Node``, by the names of its parameters."""
 _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 _BENCH: Final = {
     "imu_rate": "100.0",
@@ -47,7 +52,7 @@ def descriptions() -> dict[str, str]:
 def description(
     file: str,
     arguments: Mapping[str, tuple[str, str]],
-    nodes: Callable[[dict[str, str]], list[dict[str, Any]]],
+    nodes: Callable[[dict[str, str]], list[Settings]],
     parameters: Collection[str] = BY_NAME,
 ) -> Any:
     """The launch of some nodes, once all that they need is found.
@@ -89,7 +94,7 @@ def description(
     return LaunchDescription([*declared, OpaqueFunction(function=started)])
 
 
-def simulator(given: Mapping[str, str]) -> tuple[dict[str, Any], Scenario]:
+def simulator(given: Texts) -> tuple[Settings, Scenario]:
     """Settings of the simulator by launch arguments, and its scenario.
 
     The scenario's name is an argument of its own command line. The rest are parameters, which win over it, and which
@@ -125,7 +130,7 @@ def frames() -> dict[str, str]:
     return {name: str(BY_NAME[name].default) for name in {"world_frame", "body_frame", *frame_parameters()}}
 
 
-def rviz(view: str | Path, *words: str, **settings: Any) -> dict[str, Any]:
+def rviz(view: str | Path, *words: str, **settings: Any) -> Settings:
     """Settings of RViz, by the file of its view, words of its command line, and settings beside."""
     program = {"package": "rviz2", "executable": "rviz2", "arguments": ["--display-config", str(view), *words]}
     return {**program, "on_exit": fail_if_failed, **settings}
@@ -145,7 +150,7 @@ def view_of(namespaces: Collection[str]) -> str:
     return file.name
 
 
-def bench(given: Mapping[str, str]) -> dict[str, Any]:
+def bench(given: Texts) -> Settings:
     """Settings of the simulator for a filter, with sensors where none are given; each part of a test is needed."""
     if given["lockstep"] == "true":
         given = _with_usual(given, {"lockstep_topic": given["estimate"], "lockstep_nodes": "[evaluator]"})
@@ -155,11 +160,11 @@ def bench(given: Mapping[str, str]) -> dict[str, Any]:
     return {**settings, "on_exit": fail_unless_shut_down}
 
 
-def _with_usual(given: Mapping[str, str], usual: Mapping[str, str]) -> dict[str, str]:
+def _with_usual(given: Texts, usual: Texts) -> dict[str, str]:
     return {**given, **{name: given[name] or value for name, value in usual.items()}}
 
 
-def estimator(given: Mapping[str, str], executable: str, usual: Mapping[str, object]) -> dict[str, Any]:
+def estimator(given: Texts, executable: str, usual: Given) -> Settings:
     """Settings of a filter, with parameters that are given unless others are."""
     own = dict(parse_assignment(word) for word in shlex.split(given["parameters"]))
     return {
@@ -178,7 +183,7 @@ def options(names: Collection[str]) -> dict[str, tuple[str, str]]:
     return {name: ("", rows[name]["help"] % rows[name]) for name in names}
 
 
-def evaluator(given: Mapping[str, str], options: Iterable[str]) -> dict[str, Any]:
+def evaluator(given: Texts, options: Iterable[str]) -> Settings:
     """Settings of the evaluator, by those of its options that are given; several values have spaces between them."""
     Limits.parse(given["max_rms"] or None, tuple(given["max_after"].split()))
     require_axes(given["covariance_axes"] or "world")

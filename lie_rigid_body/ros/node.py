@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from lie_rigid_body.foundation.errors import BagError, ExistsError, InputError, ParameterError
-from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.parameters import NS, Given
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.ros.control.parameters import NodeParameters
@@ -80,7 +80,7 @@ class SimulatorNode(Node):
         If the parameters are not valid, two topics have one name, or ROS refuses a topic.
     """
 
-    def __init__(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
+    def __init__(self, given: Callable[[str, str], Given]) -> None:
         with translated_errors("this node"):
             super().__init__(
                 NODE_NAME, start_parameter_services=False, automatically_declare_parameters_from_overrides=True
@@ -91,7 +91,7 @@ class SimulatorNode(Node):
             self.destroy_node()
             raise
 
-    def _furnish(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
+    def _furnish(self, given: Callable[[str, str], Given]) -> None:
         topics = {topic: self.resolve_topic_name(topic) for topic in (*TOPICS, *SENSOR_TOPICS)}
         services = {service: self.resolve_service_name(service) for service in SERVICES}
         require_distinct("topics", topics)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
@@ -37,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(argv: Sequence[str] | None) -> int:
-    given = parse(sys.argv[1:] if argv is None else argv)
+    given = parse(argv)
     require_ros()
     _require_readable(given.ros)
     from lie_rigid_body.ros.node import simulate  # only now: it needs ROS
@@ -46,7 +45,7 @@ def _main(argv: Sequence[str] | None) -> int:
     return console.SUCCESS
 
 
-def parse(argv: Sequence[str]) -> argparse.Namespace:
+def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read a command line, without the program's name.
 
     Returns

@@ -73,8 +73,8 @@ def test_a_kicked_motion_is_proved(honest: Path) -> None:
     pytest.importorskip("flint", reason="python-flint is not installed")
     bag = Bag(honest)
     proved = list(prove(bag, certify(bag), 12))
-    assert max(sample.at_most for sample in proved) < 2e-15
-    assert all(sample.rate_at_most < 1e-14 for sample in proved)
+    assert max(sample.attitude_at_most_rad for sample in proved) < 2e-15
+    assert all(sample.body_rate_at_most_rad_s < 1e-14 for sample in proved)
 
 
 def test_the_energy_of_an_arc_is_judged_by_the_largest(tmp_path: Path) -> None:

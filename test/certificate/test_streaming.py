@@ -91,13 +91,6 @@ def test_a_bag_is_read_once_after_it_is_opened(honest, tmp_path, change):
     assert round(sum(told) / path.stat().st_size) == 2
 
 
-def test_memory_does_not_grow_with_the_bag(honest, monkeypatch):
-    monkeypatch.setattr(bag_reader, "_BATCH", 100)
-    sizes = [len(poses.stamps_ns) for poses, _ in Bag(honest).batches()]
-    assert sum(sizes) == 2 * COUNT
-    assert max(sizes) < 150
-
-
 def test_every_pass_tells_how_far_it_is(honest):
     size = honest.stat().st_size
     told: list[int] = []

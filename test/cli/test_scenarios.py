@@ -115,28 +115,6 @@ def test_every_scenario_is_explained(name: str, capsys: pytest.CaptureFixture[st
     assert len(content["axes"]) == 3
 
 
-def test_the_flips_of_the_wing_nut(capsys: pytest.CaptureFixture[str]) -> None:
-    content = facts(capsys, ["--scenario", "dzhanibekov"])
-    assert content["regime"] == "about_largest"
-    assert content["circulation"]["period_s"] == pytest.approx(39.105734, rel=1e-7)
-    assert content["circulation"]["flips"]["sudden"] is True
-    assert content["axes"][1]["spin"]["verdict"] == "unstable"
-    assert [entry["unit"] for entry in content["conserved"]] == ["J", "kg m²/s"]
-
-
-def test_the_symmetric_top_conserves_one_momentum_more(capsys: pytest.CaptureFixture[str]) -> None:
-    content = facts(capsys, ["--scenario", "symmetric_top"])
-    assert content["symmetric_top"]["body_precession_rate_rad_s"] == pytest.approx(1.6)
-    assert content["conserved"][-1]["values"] == [3.6]
-    assert content["conserved_body_momenta"] == [{"direction": [0.0, 0.0, 1.0], "momentum_kg_m2_s": 3.6}]
-    assert content["circulation"]["flips"] is None
-
-
-def test_the_sphere_conserves_all(capsys: pytest.CaptureFixture[str]) -> None:
-    conserved = facts(capsys, ["--scenario", "spherical_top"])["conserved"]
-    assert conserved[-1]["values"] == pytest.approx([0.3, -0.8, 1.1])
-
-
 def test_numbers_without_end_are_null(capsys: pytest.CaptureFixture[str]) -> None:
     content = facts(capsys, SEPARATRIX)
     assert content["regime"] == "separatrix"

@@ -71,7 +71,7 @@ def test_many_wrong_stamps_ask_for_no_more_memory():
     estimate, truth = of_ten("slow_tumble")
     stamps = np.concatenate([TEN[:70] - 10**16, TEN[70:]])
     tracemalloc.start()
-    other_clock(Matched(stamps, estimate, truth), 1.0)
+    other_clock(Matched(stamps, estimate, truth), 1.0, rates=True)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 20e6
@@ -99,7 +99,7 @@ def test_a_truth_is_asked_within_its_times_only():
         return sampled.at(t_ns)
 
     truth = ExactTruth(attitude, sampled.first_ns, sampled.last_ns)
-    assert other_clock(Matched(2 * TEN, estimate, truth), 1.0) is not None
+    assert other_clock(Matched(2 * TEN, estimate, truth), 1.0, rates=True) is not None
     assert truth.first_ns <= min(asked) <= max(asked) <= truth.last_ns
 
 

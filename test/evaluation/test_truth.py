@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of
 
-from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error, evaluate
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.remarks import of_series
 from lie_rigid_body.foundation.errors import InputError
@@ -83,14 +83,6 @@ def remarked(stamps: np.ndarray, given: np.ndarray) -> list[str]:
     return [
         remark.code for remark in of_series(stamps, np.diff(stamps, prepend=-1) > 0, given, SampledTruth(STAMPS, SPIN))
     ]
-
-
-def test_what_is_wrong_about_an_estimate_is_remarked():
-    assert remarked(STAMPS, SPIN * 1.0009) == []
-    assert remarked(STAMPS, SPIN * 1.01) == ["not_unit"]
-    kept = np.r_[0:50, 50, 51, 51, 52:200, 250:300]
-    assert remarked(STAMPS[kept], SPIN[kept]) == ["gaps"] * 2
-    assert evaluate(STAMPS[kept], SPIN[kept], SampledTruth(STAMPS, SPIN), diagnosed=False).samples == 250
 
 
 def test_one_missing_sample_is_a_gap_of_even_stamps_only():

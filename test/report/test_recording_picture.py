@@ -105,13 +105,6 @@ def test_of_a_kicked_body_each_arc_keeps_its_own_energy_and_the_first_that_moves
     assert np.abs(drifts[250:]).max() == pytest.approx(0.0201, rel=1e-3)  # of the fastest arc
 
 
-@pytest.mark.parametrize(
-    "parameters", [{"initial_body_rate": [0, 0, 0]}, {"inertia": [2, 2, 2]}, {"initial_body_rate": [0, 0, 3]}]
-)
-def test_degenerate_motions_are_drawn(parameters, tmp_path):
-    draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
-
-
 def test_along_a_path_there_are_no_empty_panels(tmp_path):
     knots = [number for k in range(5) for number in (0.5 * k, k, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)]
     figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", motion="path", path_knots=knots))))

@@ -17,7 +17,6 @@ from lie_rigid_body.evaluation import (
     attitude_nees,
     bias_error,
     evaluate,
-    nees,
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
@@ -43,7 +42,6 @@ MASK = np.ma.masked_array([0, 1, 2], mask=[False, True, False])
 NO_NUMBERS = [Q.astype(str), Q.astype(bool), Q.astype(str).astype(object), [[None] * 4] * 3, [[1, 2], [3]], {"q": Q}]
 NO_ANGLES = (0.0, -1.0, np.nan, np.inf, "1deg", True, [1.0], 10**400, np.timedelta64(1, "s"), np.bool_(True))
 NO_TIMES = (None, "0", 0.5, True, [[0], [1, 2]], 10**30)
-NO_SEEDS = ("x", -1, 1.5, True, None)
 FORTY = STAMPS[:20]
 NO_PAIRS = [([1.0] * 50, [1.0] * 49), ([[1.0]], [[1.0]]), (1.0, 2.0), ([1.0], "b"), (None, [1.0]), ([1j], [1.0])]
 NO_PAIRS += [([np.inf], [1.0]), ([1.0], [-2.0])]
@@ -51,8 +49,7 @@ ENSEMBLE = np.ones((12, 5, 3))
 NO_ENSEMBLES = [
     (np.arange(5.0), ENSEMBLE[:9], np.eye(3)),
     (np.arange(5.0), ENSEMBLE, -np.eye(3)),
-    # the square of the last overflows
-    *((np.arange(5.0), ENSEMBLE * value, np.eye(3)) for value in (np.nan, np.inf, 1e300)),
+    *((np.arange(5.0), ENSEMBLE * value, np.eye(3)) for value in (np.nan, np.inf)),
     (np.arange(5.0), ENSEMBLE[0], np.eye(3)),
     (np.arange(5.0), ENSEMBLE, np.ones((5, 3, 3))),
     (np.arange(4.0), ENSEMBLE, np.eye(3)),
@@ -111,10 +108,6 @@ def consistency(covariance, axes="world"):
     return score(covariance=covariance, covariance_axes=axes)
 
 
-def seeded(seed):
-    ensemble_consistency(np.arange(5.0), np.ones((12, 5, 3)), np.eye(3), seed=seed)
-
-
 REFUSED = {
     InputError: [
         *(lambda value=value: Limits(max_rms_deg=value) for value in NO_ANGLES),
@@ -162,7 +155,6 @@ REFUSED = {
         lambda: score(longest_lag_s=-1.0),
         lambda: score(converged_deg=0.0),
         *(lambda truth=truth: evaluate(STAMPS, TRUE, truth) for truth in (Judge(), None, TRUE)),
-        *(lambda seed=seed: seeded(seed) for seed in NO_SEEDS),
         *(lambda given=given: of_runs(*given) for given in NO_PAIRS),
         *(lambda given=given: ensemble_consistency(*given) for given in NO_ENSEMBLES),
         lambda: ensemble_consistency(np.arange(5.0), ENSEMBLE, np.eye(3), axes="earth"),
@@ -180,7 +172,6 @@ REFUSED = {
         lambda: consistency(np.full((3, 3), np.nan)),
         lambda: consistency(np.tile(P, (7, 1, 1))),
         *(lambda axes=axes: consistency(P, axes=axes) for axes in ("map", ["world"])),
-        lambda: nees(np.full((9, 3), 1e200), np.eye(3)),
         *(lambda noise=noise: bound(gyro_noise=noise) for noise in (0.0, 1e-60, 1e200)),
         lambda: bound(vectors=[VectorReadings(TWO, 1e-300 * UP.vector, 0.3)]),
         lambda: bound(attitudes=[AttitudeReadings(TWO, 1e-30 * np.eye(3))]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any, Final
@@ -24,7 +24,7 @@ from rclpy.parameter import Parameter as RosParameter
 from rclpy.qos import qos_profile_parameters
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
-from lie_rigid_body.foundation.parameters import Parameter, Value
+from lie_rigid_body.foundation.parameters import Given, Parameter, Value
 from lie_rigid_body.foundation.wording import snake_case, suggestion
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.live_run import live_scenario
@@ -49,7 +49,7 @@ _WHY_FIXED: Final = {
     "imu_orientation": "a topic tells the same throughout",
     "sensor_grade": "other parameters depend on it",
 }
-FIXED: Final[Mapping[str, str]] = {
+FIXED: Final = {
     **{name: f"{why}: start the node anew with it" for name, why in _WHY_FIXED.items()},
     "paused": "it is how the node starts: call ~/pause or ~/resume",
 }
@@ -81,7 +81,7 @@ class NodeParameters:
         If a name is unknown or the values make no scenario.
     """
 
-    def __init__(self, node: Node, given: Mapping[str, object]) -> None:
+    def __init__(self, node: Node, given: Given) -> None:
         self._node = node
         values = read_parameters({**given, **overrides(node)})
         values.update(live_scenario(values).parameters())

@@ -91,7 +91,7 @@ class Diagnostics(Periodic):
         if not all(largest):
             return 0.0, 0.0
         changes = arc_changes(scenario, np.array([stamp_ns - self._segment.start_ns]), state)
-        energy, momentum = (float(np.linalg.norm(change)) for change, _ in changes)
+        energy, momentum = (np.linalg.norm(change) for change, _ in changes)
         return energy / largest[0], momentum / largest[1]
 
 

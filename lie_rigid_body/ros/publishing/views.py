@@ -135,7 +135,7 @@ class Markers(Periodic):
         # a box along the principal axes, m: an inertia alone does not determine the size of a body
         axes = quaternion.from_matrix(self._body.principal_axes)
         sides = box_sides(self._body.principal_moments)
-        markers: tuple[tuple[str, int, ColorRGBA, dict[str, Any]], ...] = (
+        markers = (
             (
                 "body",
                 Marker.CUBE,
@@ -175,7 +175,7 @@ def _arrow(*ends: Array) -> dict[str, Any]:
 
 def _scale(vectors: Array) -> float:
     """The factor that makes the largest of some vectors as long as an arrow; 0 where all are zero."""
-    size = float(np.linalg.norm(vectors, axis=1).max())
+    size = np.linalg.norm(vectors, axis=1).max()
     return ARROW / size if size else 0.0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from fractions import Fraction
 from typing import Final
@@ -12,8 +12,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.mechanics import State
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS, Given
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.recording.poses import with_path
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
@@ -36,7 +35,7 @@ MAX_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
-def live_scenario(values: Mapping[str, object]) -> Scenario:
+def live_scenario(values: Given) -> Scenario:
     """Scenario of parameters, whose samples do not take so long that calls have to wait for their answers.
 
     Raises
@@ -207,7 +206,7 @@ class LiveRun:
         self._begin(segment)
         return segment
 
-    def reset_to(self, changes: Mapping[str, object]) -> Segment:
+    def reset_to(self, changes: Given) -> Segment:
         """Begin a new segment of the present scenario with some parameters changed.
 
         Raises
@@ -294,7 +293,7 @@ class LiveRun:
             self._take_pace(pace_of(factor, present, self._steady()))
 
     def _take_pace(self, pace: Pace) -> None:
-        self._pace: Pace = pace
+        self._pace = pace
         self._rested_ns = 0
 
     def _present_ns(self) -> int:
@@ -315,7 +314,7 @@ class LiveRun:
         self._rested_ns = 0
         if self._lockstep is not None:
             self._lockstep.begin_segment(scenario.sensors.on)
-        self.latest: tuple[int, State] = (segment.start_ns, scenario.start())
+        self.latest = (segment.start_ns, scenario.start())
         for sink in self._sinks:
             sink.begin_segment(segment)
 

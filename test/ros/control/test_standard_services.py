@@ -236,11 +236,9 @@ def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], c
     assert both.states == [alone for _ in found]
 
 
-@pytest.mark.parametrize(
-    "pattern", ["a{99999999999999999999}", "(" * 900, "(a*)*b", ".*" * 14, "(x+x+)+y", "a|b|c|d|e|f"]
-)
+@pytest.mark.parametrize("pattern", ["a{99999999999999999999}", "(" * 900])
 def test_what_no_regular_expression_may_do_is_answered(paused: Simulator, pattern: str) -> None:
-    """It recurses, overflows, or takes exponential time."""
+    """It overflows, or recurses."""
     answer = paused.ask("get_entities", filters=entity_filters(pattern))
     assert (answer.result.result, answer.entities) == (FAILED, [])
 
