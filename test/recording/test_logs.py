@@ -493,7 +493,7 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text(HEADER, *LINES[:3], "1e99999999999" + LINES[3][3:], *LINES[4:]), {}, "line 5"),
     (text(HEADER, *LINES[:3], LINES[3][:20]), {}, "line 5"),
     (text(HEADER, *LINES[:3], f"{LINES[3]},1"), {}, "line 5"),
-    (text(HEADER, *LINES[:3], '"' + LINES[3] + "9" * 200_000), {}, "has 1 cells"),
+    (text(HEADER, *LINES[:3], '"' + LINES[3] + "9" * 200_000), {}, "line 5"),
     (text("t,ax,ay,az", *[",".join(line.split(",")[:4]) for line in LINES]), {}, "no gyro"),
     (text("n,gx,gy,gz", *[",".join(line.split(",")[:4]) for line in LINES]), {}, "no time"),
     (text("t,gx,gy,gz", *["5,0,0,0"] * 9), {}, "no time"),

@@ -73,12 +73,17 @@ class TextTable:
         """
         width = len(self.headings)
         lines = islice(lines_of(self.source), self.skipped, None)
-        for number, line in enumerate(lines, self.skipped + 1):
-            cells = _cells(line, self.separator)
-            if any(cells) and not line.startswith(_COMMENTS):
-                if len(cells) < width or any(cells[width:]):
-                    raise self.error(number, f"has {len(cells)} cells, where the header has {width}")
-                yield number, cells
+        texts = ("" if line.startswith(_COMMENTS) else line for line in lines)
+        rows = csv.reader(texts, delimiter=self.separator, skipinitialspace=True)
+        try:
+            for cells in rows:
+                if any(cells):
+                    if len(cells) < width or any(cells[width:]):
+                        told = f"has {len(cells)} cells, where the header has {width}"
+                        raise self.error(self.skipped + rows.line_num, told)
+                    yield self.skipped + rows.line_num, cells
+        except csv.Error as error:
+            raise self.error(self.skipped + rows.line_num, f"not readable as CSV, {error}") from None
 
     def read(self, time: int, read_time: Callable[[str], int], axes: Sequence[int]) -> tuple[Integers, Array]:
         """Times by a function, ns, and numbers in some columns, shape (N, K), of the rows that fill any of these.
