@@ -27,6 +27,7 @@ if find_spec("rclpy"):
 pytestmark = pytest.mark.ros
 
 ROOM = Path(lie_rigid_body.__file__).parent / "ros"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 DOORS = {"handle", "impl", "implementation_singleton", "parameter_service"}
 """Names of rclpy without an underscore that lead behind its public interface."""
 
@@ -46,7 +47,8 @@ def behind(tree: ast.AST) -> Iterator[str]:
 
 def test_nothing_private_of_rclpy_is_used() -> None:
     """The package's own private names of other objects are listed."""
-    found = {(path.name, name) for path in ROOM.rglob("*.py") for name in behind(ast.parse(path.read_text()))}
+    paths = [*ROOM.rglob("*.py"), *EXAMPLES.rglob("*.py")]
+    found = {(path.name, name) for path in paths for name in behind(ast.parse(path.read_text()))}
     assert found == set()
     seen = ["executor._executor", "node.handle", "from rclpy.impl import x", "from rclpy.node import _Node"]
     assert [len([*behind(ast.parse(line))]) for line in seen] == [1, 1, 1, 1]
