@@ -20,7 +20,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError, describe
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import numerals, shown, snake_case
 from lie_rigid_body.lie import quaternion
@@ -107,14 +107,10 @@ def _triggered(action: Callable[[], str]) -> Callable[[Trigger.Request, Trigger.
             response.message = action()
             response.success = True
         except Exception as error:
-            response.message = _reason(error)
+            response.message = describe(error)
         return response
 
     return handle
-
-
-def _reason(error: Exception) -> str:
-    return str(error) or type(error).__name__
 
 
 class RefusedError(LieRigidBodyError):
@@ -149,7 +145,7 @@ def _answering(handle: Callable[..., None]) -> Callable[..., Any]:
             handle(self, request, response, *rest)
         except Exception as error:
             code = error.code if isinstance(error, RefusedError) else Code.OPERATION_FAILED
-            return _filled(response, code, _reason(error))
+            return _filled(response, code, describe(error))
         return _filled(response, Code.OK)
 
     return answer
