@@ -224,11 +224,12 @@ def latched(depth: int) -> QoSProfile:
 
 def _possible(quality: QoSProfile) -> SetParametersResult:
     """Whether ROS would take a quality of service: of a wrong depth it warns, or tells no value."""
-    if is_zenoh() and quality.history is HistoryPolicy.KEEP_ALL:
+    reason = ""
+    if not 1 <= quality.depth <= MAX_DEPTH:
+        reason = f"depth {quality.depth} is outside [1, {MAX_DEPTH}]: give for example 10"
+    elif is_zenoh() and quality.history is HistoryPolicy.KEEP_ALL:
         reason = f"history keep_all may wait in publish for ever with {ZENOH}: leave it keep_last"
-        return SetParametersResult(successful=False, reason=reason)
-    limits = f"depth {quality.depth} is outside [1, {MAX_DEPTH}]: give for example 10"
-    return SetParametersResult(successful=1 <= quality.depth <= MAX_DEPTH, reason=limits)
+    return SetParametersResult(successful=not reason, reason=reason)
 
 
 def is_zenoh() -> bool:

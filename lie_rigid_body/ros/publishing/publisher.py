@@ -41,42 +41,7 @@ LATE_NS: Final = NS
 WARNING_INTERVAL_NS: Final = 10 * NS
 
 
-class Sender(Sink):
-    """A sink whose messages wait for room where the history of a publisher keeps all.
-
-    Parameters
-    ----------
-    node : Node
-    """
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self._rest = deque[tuple[Publisher, bytes]]()
-
-    def send(self, messages: Iterable[tuple[Publisher, bytes]]) -> None:
-        """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
-        self._rest.extend(messages)
-        self.ready()
-
-    def ready(self) -> bool:
-        """Send the messages that were kept; return whether there is room for more.
-
-        There is none if a history keeps all, as asked for here or by the user, and stays full as long as the middleware
-        waits. Fast DDS waits 100 ms.
-        """
-        while self._rest:
-            publisher, payload = self._rest[0]
-            try:
-                publisher.publish(payload)
-            except RuntimeError:
-                if publisher.qos_profile.history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
-                    return False
-                raise
-            self._rest.popleft()
-        return True
-
-
-class SamplePublisher(Sender):
+class SamplePublisher(Sink):
     """A sink into topics: the truth, the sensors, the latched scenario and the clock.
 
     Parameters
@@ -116,10 +81,11 @@ class SamplePublisher(Sender):
         keep_all: bool = False,
         imu_last: bool = False,
     ) -> None:
-        super().__init__(node)
+        self._node = node
         self._imu_last = imu_last
         self._is_zenoh = is_zenoh()
         self._history = HistoryPolicy.KEEP_ALL if keep_all and not self._is_zenoh else HistoryPolicy.KEEP_LAST
+        self._rest = deque[tuple[Publisher, bytes]]()
         self.publishers: dict[str, Publisher] = {}
         self._add(POSE, PoseStamped, self._quality())
         self._add(TWIST, TwistStamped if stamped_twist else Twist, self._quality())
@@ -153,6 +119,28 @@ class SamplePublisher(Sender):
     def write(self, batch: Batch) -> None:
         """Publish messages, oldest first."""
         self.send(self._in_order(batch))
+
+    def send(self, messages: Iterable[tuple[Publisher, bytes]]) -> None:
+        """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
+        self._rest.extend(messages)
+        self.ready()
+
+    def ready(self) -> bool:
+        """Send the messages that were kept; return whether there is room for more.
+
+        There is none if a history keeps all, as asked for here or by the user, and stays full as long as the middleware
+        waits. Fast DDS waits 100 ms.
+        """
+        while self._rest:
+            publisher, payload = self._rest[0]
+            try:
+                publisher.publish(payload)
+            except RuntimeError:
+                if publisher.qos_profile.history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
+                    return False
+                raise
+            self._rest.popleft()
+        return True
 
     def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
         clock = self.publishers.get(CLOCK)

@@ -24,9 +24,9 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import TF_TOPIC, Batch
-from lie_rigid_body.ros.publishing.publisher import Sender
+from lie_rigid_body.ros.publishing.publisher import SamplePublisher
 from lie_rigid_body.ros.session import latched, offered
-from lie_rigid_body.ros.timing.sink import FOREVER, Periodic, Punctuality
+from lie_rigid_body.ros.timing.sink import FOREVER, Periodic, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 TF: Final = TF_TOPIC
@@ -43,18 +43,20 @@ MOMENTUM_COLOUR: Final = ColorRGBA(r=0.1, g=0.65, b=0.35, a=1.0)
 POLHODE_COLOUR: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
 
 
-class Transforms(Sender):
+class Transforms(Sink):
     """A sink that publishes each pose as a transform, and where the IMU is on the body, if tf2_msgs is installed.
 
     Parameters
     ----------
     node : Node
+    sender : SamplePublisher
+        What sends the transforms, each after the messages of its sample.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, sender: SamplePublisher) -> None:
         from tf2_msgs.msg import TFMessage
 
-        super().__init__(node)
+        self._send = sender.send
         qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
         self._publisher = offered(node, TFMessage, TF, qos)
         self._fixed = offered(node, TFMessage, TF_STATIC, latched(1))
@@ -76,7 +78,7 @@ class Transforms(Sender):
         resting = np.broadcast_to(self._resting, (len(samples), 3))
         position = resting if samples.centre is None else samples.centre.position
         transforms = self._encoder.encode(samples.stamps_ns, position, samples.states.attitude_xyzw)
-        self.send((self._publisher, payload) for payload in transforms)
+        self._send((self._publisher, payload) for payload in transforms)
 
 
 class Markers(Periodic):

@@ -20,7 +20,6 @@ if find_spec("rclpy"):
 
     from lie_rigid_body.ros import session
     from lie_rigid_body.ros.publishing.publisher import SamplePublisher
-    from lie_rigid_body.ros.publishing.views import Transforms
 
 pytestmark = pytest.mark.ros
 BURSTS = 3
@@ -70,11 +69,7 @@ def test_with_zenoh_no_history_keeps_all(publisher: SamplePublisher, monkeypatch
     assert found == {"rmw_fastrtps_cpp": {HistoryPolicy.KEEP_ALL}, session.ZENOH: {HistoryPolicy.KEEP_LAST}}
 
 
-OVERRIDDEN = [
-    "--ros-args",
-    *("-p", "qos_overrides./pose.publisher.history:=keep_all"),
-    *("-p", "qos_overrides./tf.publisher.history:=keep_all"),
-]
+OVERRIDDEN = ["--ros-args", "-p", "qos_overrides./pose.publisher.history:=keep_all"]
 
 
 def test_where_the_user_has_a_history_keep_all_messages_wait_for_room(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -92,20 +87,13 @@ def test_where_the_user_has_a_history_keep_all_messages_wait_for_room(monkeypatc
 
     with session.initialised(OVERRIDDEN):
         node = rclpy.create_node("patient", automatically_declare_parameters_from_overrides=True)
-        sinks = [
-            SamplePublisher(node, stamped_twist=True, sensors=scenario.sensors, clock=False),
-            *([Transforms(node)] if find_spec("tf2_msgs") else []),
-        ]
+        sink = SamplePublisher(node, stamped_twist=True, sensors=scenario.sensors, clock=False)
         monkeypatch.setattr(Publisher, "publish", publish)
-        for sink in sinks:
-            sink.begin_segment(simulation.segment)
-            sent.clear()
-            sink.write(batch)
-            assert (sink.ready(), sent) == (False, [])
-            full = False
-            assert sink.ready()
-            assert sent == (["/pose", "/twist"] if sink is sinks[0] else ["/tf"])
-            full = True
+        sink.write(batch)
+        assert (sink.ready(), sent) == (False, [])
+        full = False
+        assert sink.ready()
+        assert sent == ["/pose", "/twist"]
         node.destroy_node()
 
 
