@@ -96,6 +96,13 @@ def test_what_is_set_in_the_process_of_the_node_is_judged_as_what_a_service_sets
     assert node.get_parameter("kicks").type_ == Parameter.Type.DOUBLE_ARRAY
 
 
+def test_use_sim_time_may_be_set_to_what_it_is(isolated_ros: None) -> None:
+    with session.initialised(["--ros-args", "-p", "use_sim_time:=true"]):
+        made = SimulatorNode(lambda name, namespace: {})
+        with session.destroying(made):
+            assert [set_one(made, "use_sim_time", value)[0] for value in (True, False, True)] == [True, True, False]
+
+
 def test_services_of_parameters_answer_as_those_of_rclpy(node: SimulatorNode) -> None:
     """Values, types, descriptors, lists and events, of what is there and of what is not, beside a plain node."""
     with session.spinning(node), Peer("asking") as peer:
@@ -135,6 +142,7 @@ def asked(peer: Any, node: str, names: list[str]) -> list[object]:
         answer(srv.ListParameters, "list_parameters", prefixes=["qos_overrides"]).result.names[:0],
         [result.successful for result in answer(srv.SetParameters, "set_parameters", parameters=[change]).results],
         answer(srv.SetParametersAtomically, "set_parameters_atomically", parameters=[change]).result.successful,
+        answer(srv.SetParametersAtomically, "set_parameters_atomically", parameters=[]).result.successful,
     ]
 
 
