@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
+import select
 import shutil
+import subprocess
 from collections.abc import Iterator
+from contextlib import ExitStack
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -85,6 +90,24 @@ def test_the_tutorial_of_a_node_is_followed_where_colcon_has_built_the_package(
     """There is no program of pip then; Python has the package, as it has where a workspace is sourced."""
     (tmp_path / "bin" / "lie-rigid-body").write_text("#!/bin/sh\nexit 127\n")
     follow(PAGES["docs/tutorials/filter_node_in_ci"], tmp_path, reader)
+
+
+def test_what_the_example_started_ends_with_it_also_where_its_parent_has_ended(tmp_path: Path) -> None:
+    """As the node that 'ros2 run' started, where 'ros2' was killed; the child holds the pipe until it ends."""
+    spec = spec_from_file_location("example", ROOT / "examples" / "filter_in_ci" / "test_filter_node.py")
+    assert spec is not None
+    assert spec.loader is not None
+    example = module_from_spec(spec)
+    spec.loader.exec_module(example)
+    with ExitStack() as stack:
+        parent = example.started(stack, ["sh", "-c", "sleep 60 &"], stdout=subprocess.PIPE)
+        assert parent.wait(timeout=30) == 0
+        output = os.dup(parent.stdout.fileno())
+    with open(output, "rb") as rest:
+        ready, _, _ = select.select([rest], [], [], 10.0)
+        assert ready, "its child still runs"
+    with ExitStack() as stack:
+        example.started(stack, ["true"]).wait(timeout=30)  # nothing is left
 
 
 def test_a_command_that_fails_ends_the_page(tmp_path: Path, reader: dict[str, str]) -> None:

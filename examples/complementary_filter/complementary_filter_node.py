@@ -7,7 +7,6 @@ import numpy as np
 import rclpy
 from complementary_filter import ComplementaryFilter
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import Imu, MagneticField
@@ -57,7 +56,7 @@ def main():
         rclpy.spin(ComplementaryFilterNode(), EXECUTORS[given.executor]())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except rclpy_implementation.RCLError:  # Ctrl-C amid a callback: there is nothing left to publish to
+    except RuntimeError:  # of rclpy, after Ctrl-C amid a callback: there is nothing left to publish to
         if rclpy.ok():
             raise
     finally:

@@ -113,8 +113,7 @@ def require_physical(moments: Array) -> None:
         raise ParameterError(
             _NAME,
             f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality by {gap:.3g}{rounded}: "
-            f"lower the largest to at most {small + middle!r}, or take groups.Lagrangian(SO(3), M), which needs no "
-            "mass",
+            f"lower the largest to at most {small + middle!r}; in Python groups.Lagrangian(SO(3), M) needs no mass",
         )
 
 

@@ -21,7 +21,7 @@ COMPRESSED_ONE_BY_ONE: Final = (
 )
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": (
-        "it is an SQLite bag: convert it with 'ros2 bag convert', or record in MCAP, the default of Jazzy"
+        "it is an SQLite bag: convert it with 'ros2 bag convert', or record in MCAP, the default from Jazzy on"
     ),
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
     ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",

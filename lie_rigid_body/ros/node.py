@@ -114,7 +114,7 @@ class SimulatorNode(Node):
         if marker_rate := values["marker_rate"]:
             self.sinks.append(Markers(self, marker_rate))
         if values["publish_tf"] and is_installed("tf2_msgs"):
-            self.sinks.append(Transforms(self))
+            self.sinks.append(Transforms(self, self.publisher))
         self._looks = 0
         self._look = self.create_timer(
             LOOK_INTERVAL, self._look_for_namesakes, clock=Clock(clock_type=ClockType.STEADY_TIME)

@@ -39,12 +39,15 @@ def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | 
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
                 require_ros()
-                if "zenoh" in os.environ.get("RMW_IMPLEMENTATION", ""):
+                from lie_rigid_body.ros.session import is_zenoh  # only now: it needs ROS
+
+                if is_zenoh():
                     raise LieRigidBodyError(
-                        "needs DDS, in which it has a domain without other nodes: unset RMW_IMPLEMENTATION"
+                        "needs DDS, in which it has a domain without other nodes: set RMW_IMPLEMENTATION to one, such "
+                        "as rmw_fastrtps_cpp"
                     )
                 with _started(estimator.command, output) as require_alive:
-                    from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
+                    from lie_rigid_body.ros.player import answers_to
 
                     try:
                         return answers_to(estimator, readings, require_alive)

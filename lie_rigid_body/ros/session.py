@@ -29,13 +29,15 @@ from rclpy.executors import (
 from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.wording import shown
 
+ZENOH: Final = "rmw_zenoh_cpp"
 _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
 MAX_NODE_NAME_LENGTH: Final = 200
@@ -222,8 +224,17 @@ def latched(depth: int) -> QoSProfile:
 
 def _possible(quality: QoSProfile) -> SetParametersResult:
     """Whether ROS would take a quality of service: of a wrong depth it warns, or tells no value."""
-    limits = f"depth {quality.depth} is outside [1, {MAX_DEPTH}]: give for example 10"
-    return SetParametersResult(successful=1 <= quality.depth <= MAX_DEPTH, reason=limits)
+    reason = ""
+    if not 1 <= quality.depth <= MAX_DEPTH:
+        reason = f"depth {quality.depth} is outside [1, {MAX_DEPTH}]: give for example 10"
+    elif is_zenoh() and quality.history is HistoryPolicy.KEEP_ALL:
+        reason = f"history keep_all may wait in publish for ever with {ZENOH}: leave it keep_last"
+    return SetParametersResult(successful=not reason, reason=reason)
+
+
+def is_zenoh() -> bool:
+    """Whether the middleware is Zenoh, which has neither domains nor confirmations."""
+    return bool(get_rmw_implementation_identifier() == ZENOH)
 
 
 def message_class(name: str) -> type:

@@ -92,7 +92,7 @@ def test_a_broken_triangle_inequality_tells_by_how_much_and_what_would_do(moment
     with pytest.raises(ParameterError) as caught:
         RigidBody(moments)
     small, middle, large = sorted(moments)
-    told = re.findall(r"by ([\d.e-]+)(?:, .*? (\d+) digits)?.*: .* at most ([\d.e-]+),", str(caught.value))
+    told = re.findall(r"by ([\d.e-]+)(?:, .*? (\d+) digits)?.*: .* at most ([\d.e-]+);", str(caught.value))
     assert float(told[0][0]) == pytest.approx(large - middle - small, rel=1e-2)
     assert told[0][1] == digits
     RigidBody([small, middle, float(told[0][2])])

@@ -255,9 +255,9 @@ def test_a_log_is_played_to_a_node_with_its_own_stamps_twice_the_same(tmp_path: 
 
 def test_a_middleware_without_domains_of_its_own_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     from lie_rigid_body.estimates.programs import NodeEstimator
-    from lie_rigid_body.ros import play
+    from lie_rigid_body.ros import play, session
 
-    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")
+    monkeypatch.setattr(session, "get_rmw_implementation_identifier", lambda: session.ZENOH)
     for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOG_DIR"):  # which it sets in its own process
         monkeypatch.setenv(name, os.environ.get(name, ""))
     monkeypatch.setattr(play, "require_ros", lambda: None)

@@ -27,6 +27,7 @@ if find_spec("rclpy"):
 pytestmark = pytest.mark.ros
 
 ROOM = Path(lie_rigid_body.__file__).parent / "ros"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 DOORS = {"handle", "impl", "implementation_singleton", "parameter_service"}
 """Names of rclpy without an underscore that lead behind its public interface."""
 
@@ -46,7 +47,8 @@ def behind(tree: ast.AST) -> Iterator[str]:
 
 def test_nothing_private_of_rclpy_is_used() -> None:
     """The package's own private names of other objects are listed."""
-    found = {(path.name, name) for path in ROOM.rglob("*.py") for name in behind(ast.parse(path.read_text()))}
+    paths = [*ROOM.rglob("*.py"), *EXAMPLES.rglob("*.py")]
+    found = {(path.name, name) for path in paths for name in behind(ast.parse(path.read_text()))}
     assert found == set()
     seen = ["executor._executor", "node.handle", "from rclpy.impl import x", "from rclpy.node import _Node"]
     assert [len([*behind(ast.parse(line))]) for line in seen] == [1, 1, 1, 1]
@@ -94,6 +96,13 @@ def test_what_is_set_in_the_process_of_the_node_is_judged_as_what_a_service_sets
     assert node.get_parameter("kicks").type_ == Parameter.Type.DOUBLE_ARRAY
 
 
+def test_use_sim_time_may_be_set_to_what_it_is(isolated_ros: None) -> None:
+    with session.initialised(["--ros-args", "-p", "use_sim_time:=true"]):
+        made = SimulatorNode(lambda name, namespace: {})
+        with session.destroying(made):
+            assert [set_one(made, "use_sim_time", value)[0] for value in (True, False, True)] == [True, True, False]
+
+
 def test_services_of_parameters_answer_as_those_of_rclpy(node: SimulatorNode) -> None:
     """Values, types, descriptors, lists and events, of what is there and of what is not, beside a plain node."""
     with session.spinning(node), Peer("asking") as peer:
@@ -133,6 +142,7 @@ def asked(peer: Any, node: str, names: list[str]) -> list[object]:
         answer(srv.ListParameters, "list_parameters", prefixes=["qos_overrides"]).result.names[:0],
         [result.successful for result in answer(srv.SetParameters, "set_parameters", parameters=[change]).results],
         answer(srv.SetParametersAtomically, "set_parameters_atomically", parameters=[change]).result.successful,
+        answer(srv.SetParametersAtomically, "set_parameters_atomically", parameters=[]).result.successful,
     ]
 
 

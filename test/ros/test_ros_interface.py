@@ -114,6 +114,7 @@ def test_kicks_may_become_more_and_none(observer: Peer) -> None:
         ({"world_frame": "/world"}, "world_frame: '/world' "),
         ({"stamped_twist": False}, "stamped_twist: "),
         ({"rte": 1.0}, "rte: "),
+        ({"": 1.0}, "empty name: "),
         ({"\x1b[2J": 1.0}, r"\x1b[2J: "),
         ({"body_frame": "good", "inertia": [0.0, 1.0, 1.0]}, "inertia: "),
         ({"real_time_factor": -1.0}, "real_time_factor: "),
@@ -134,12 +135,13 @@ def test_bad_change_is_refused_with_the_reason(observer: Peer, changes: dict[str
     assert observer.values(*known) == before
 
 
-def test_a_value_of_an_unknown_type_is_answered_and_its_neighbours_are_set(observer: Peer) -> None:
-    unknown = ParameterMessage(name="rate", value=ParameterValue(type=42))
+@pytest.mark.parametrize("kind", [0, 42])
+def test_a_value_of_no_known_type_is_answered_and_its_neighbours_are_set(observer: Peer, kind: int) -> None:
+    unknown = ParameterMessage(name="rate", value=ParameterValue(type=kind))
     known = ParameterMessage(name="sensor_seed", value=ParameterValue(type=2, integer_value=7))
     each = observer.answer(SetParameters, f"{NODE}/set_parameters", SetParameters.Request(parameters=[unknown, known]))
     assert [result.successful for result in each.results] == [False, True]
-    assert each.results[0].reason.startswith("rate: type 42 ")
+    assert each.results[0].reason.startswith(f"rate: type {kind} ")
     request = SetParametersAtomically.Request(parameters=[known, unknown])
     together = observer.answer(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request).result
     assert (together.successful, together.reason) == (False, each.results[0].reason)
@@ -147,6 +149,7 @@ def test_a_value_of_an_unknown_type_is_answered_and_its_neighbours_are_set(obser
 
 def test_what_every_node_has_can_be_set(observer: Peer) -> None:
     assert observer.set_together(use_sim_time=False).successful
+    assert observer.set_together().successful
 
 
 @pytest.mark.slow

@@ -176,6 +176,7 @@ REFUSED = {
         lambda: standard("step_simulation", steps=1),
         lambda: find("", "x"),
         lambda: find("("),
+        lambda: find("(a*)*b"),
         lambda: standard("get_entity_info", entity="robot"),
         lambda: put(frame="moon"),
         lambda: put(position=(2e9, 0.0, 0.0)),

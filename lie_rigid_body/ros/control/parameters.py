@@ -8,7 +8,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Final
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import (
     DescribeParameters,
@@ -59,7 +59,6 @@ IMMEDIATE: Final = frozenset({"real_time_factor"})
 
 _DECLARED_BY_RCLPY: Final = ("use_sim_time", "start_type_description_service")
 _OF_PUBLISHERS: Final = "qos_overrides."
-_TYPES: Final = frozenset(kind.value for kind in RosParameter.Type)
 
 
 class NodeParameters:
@@ -124,7 +123,7 @@ class NodeParameters:
         """Whether the parameters make a scenario with some of them changed, all together."""
         new = {change.name: change.value for change in changes}
         try:
-            if new.get("use_sim_time"):
+            if new.get("use_sim_time") and not self._node.get_parameter("use_sim_time").value:
                 raise InputError(
                     "use_sim_time: the samples follow a steady clock of this node, and no /clock: leave it false"
                 )
@@ -145,7 +144,9 @@ class NodeParameters:
         return response
 
     def _set(self, changes: Sequence[ParameterMessage]) -> SetParametersResult:
-        """Set all of them or none."""
+        """Set all of them or none; without any there is nothing to refuse."""
+        if not changes:
+            return SetParametersResult(successful=True)
         try:
             read = [self._read(change) for change in changes]
             judged = self._judge(read)  # before rclpy, whose refusals of ranges give no remedy
@@ -157,12 +158,12 @@ class NodeParameters:
         """A change in its parameter's own type, as in a parameter file: an integer stands for a double."""
         name = change.name
         kind = change.value.type
-        if kind not in _TYPES:
-            raise InputError(f"{name}: type {kind} is none of rcl_interfaces/ParameterType: give 0 to 9")
+        if not 0 < kind <= ParameterType.PARAMETER_STRING_ARRAY:
+            raise InputError(f"{name}: type {kind} is that of no value: give 1 to 9 of rcl_interfaces/ParameterType")
         if name in FIXED:
             raise InputError(f"{name}: fixed at the start, as {FIXED[name]}")
         if not self._node.has_parameter(name):
-            raise InputError(f"{name}: no such parameter: {suggestion(name, BY_NAME, 'parameters')}")
+            raise InputError(f"{name or 'empty name'}: no such parameter: {suggestion(name, BY_NAME, 'parameters')}")
         given = RosParameter.from_parameter_msg(change)
         return _as_ros(BY_NAME[name], BY_NAME[name].read(given.value)) if name in BY_NAME else given
 

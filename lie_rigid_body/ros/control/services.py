@@ -7,7 +7,6 @@ world frame.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from enum import IntEnum
 from functools import wraps
@@ -21,12 +20,13 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError, describe
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import numerals, shown, snake_case
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.mass_centre import MassCentre
+from lie_rigid_body.ros.control.filters import is_found
 from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
 from lie_rigid_body.scenario import Scenario
 
@@ -107,14 +107,10 @@ def _triggered(action: Callable[[], str]) -> Callable[[Trigger.Request, Trigger.
             response.message = action()
             response.success = True
         except Exception as error:
-            response.message = _reason(error)
+            response.message = describe(error)
         return response
 
     return handle
-
-
-def _reason(error: Exception) -> str:
-    return str(error) or type(error).__name__
 
 
 class RefusedError(LieRigidBodyError):
@@ -149,7 +145,7 @@ def _answering(handle: Callable[..., None]) -> Callable[..., Any]:
             handle(self, request, response, *rest)
         except Exception as error:
             code = error.code if isinstance(error, RefusedError) else Code.OPERATION_FAILED
-            return _filled(response, code, _reason(error))
+            return _filled(response, code, describe(error))
         return _filled(response, Code.OK)
 
     return answer
@@ -283,7 +279,7 @@ class StandardServices:
             raise RefusedError(
                 Code.FEATURE_UNSUPPORTED, "filters by tags and by bounds are unsupported: leave them out"
             )
-        if filters.filter and not _is_found(filters.filter, self._entity):
+        if filters.filter and not is_found(filters.filter, self._entity):
             return []
         categories = [each.category for each in filters.categories]
         return [self._entity] if not categories or CATEGORY_DYNAMIC_OBJECT in categories else []
@@ -384,22 +380,6 @@ class StandardServices:
     def _require_known(self, entity: str) -> None:
         if entity != self._entity:
             raise RefusedError(Code.NOT_FOUND, f"there is no entity {shown(entity)}: the body is {self._entity!r}")
-
-
-def _is_found(pattern: str, name: str) -> bool:
-    """Whether a regular expression finds something in a name.
-
-    Raises
-    ------
-    LieRigidBodyError
-        If it is none.
-    """
-    try:
-        return re.search(pattern, name) is not None
-    except re.error as error:
-        raise LieRigidBodyError(
-            f"filter {shown(pattern)} is no regular expression ({error}): give another, or none"
-        ) from None
 
 
 def _components(message: Any) -> list[float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
@@ -13,7 +13,6 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.utilities import get_rmw_implementation_identifier
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
@@ -21,7 +20,7 @@ from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
-from lie_rigid_body.ros.session import latched, message_class, offered
+from lie_rigid_body.ros.session import is_zenoh, latched, message_class, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, MAX_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
@@ -35,7 +34,6 @@ CLOCK_DEPTH: Final = 6 * DEPTH
 """Messages of the clock kept: it has one for each time of the truth, of each sensor and of a fault."""
 LAST_CONFIRMATION_NS: Final = 100_000_000
 """Longest wait on each topic for subscribers to confirm the last samples when the node ends, ns."""
-ZENOH: Final = "rmw_zenoh_cpp"
 LAST_SENDING_NS: Final = NS
 """Longest wait for room for the last samples when the node ends, ns."""
 LATE_NS: Final = NS
@@ -85,7 +83,7 @@ class SamplePublisher(Sink):
     ) -> None:
         self._node = node
         self._imu_last = imu_last
-        self._is_zenoh = get_rmw_implementation_identifier() == ZENOH
+        self._is_zenoh = is_zenoh()
         self._history = HistoryPolicy.KEEP_ALL if keep_all and not self._is_zenoh else HistoryPolicy.KEEP_LAST
         self._rest = deque[tuple[Publisher, bytes]]()
         self.publishers: dict[str, Publisher] = {}
@@ -119,21 +117,26 @@ class SamplePublisher(Sink):
         self.publishers[PRIVATE_SCENARIO].publish(encode_string(segment.to_json(names)))
 
     def write(self, batch: Batch) -> None:
+        """Publish messages, oldest first."""
+        self.send(self._in_order(batch))
+
+    def send(self, messages: Iterable[tuple[Publisher, bytes]]) -> None:
         """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
-        self._rest.extend(self._in_order(batch))
+        self._rest.extend(messages)
         self.ready()
 
     def ready(self) -> bool:
         """Send the messages that were kept; return whether there is room for more.
 
-        There is none if the history keeps all and stays full as long as the middleware waits. Fast DDS waits 100 ms.
+        There is none if a history keeps all, as asked for here or by the user, and stays full as long as the middleware
+        waits. Fast DDS waits 100 ms.
         """
         while self._rest:
             publisher, payload = self._rest[0]
             try:
                 publisher.publish(payload)
             except RuntimeError:
-                if self._history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
+                if publisher.qos_profile.history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
                     return False
                 raise
             self._rest.popleft()

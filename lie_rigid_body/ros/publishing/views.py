@@ -24,6 +24,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import TF_TOPIC, Batch
+from lie_rigid_body.ros.publishing.publisher import SamplePublisher
 from lie_rigid_body.ros.session import latched, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, Periodic, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
@@ -48,11 +49,14 @@ class Transforms(Sink):
     Parameters
     ----------
     node : Node
+    sender : SamplePublisher
+        What sends the transforms, each after the messages of its sample.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, sender: SamplePublisher) -> None:
         from tf2_msgs.msg import TFMessage
 
+        self._send = sender.send
         qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
         self._publisher = offered(node, TFMessage, TF, qos)
         self._fixed = offered(node, TFMessage, TF_STATIC, latched(1))
@@ -73,8 +77,8 @@ class Transforms(Sink):
         samples = batch.samples
         resting = np.broadcast_to(self._resting, (len(samples), 3))
         position = resting if samples.centre is None else samples.centre.position
-        for payload in self._encoder.encode(samples.stamps_ns, position, samples.states.attitude_xyzw):
-            self._publisher.publish(payload)
+        transforms = self._encoder.encode(samples.stamps_ns, position, samples.states.attitude_xyzw)
+        self._send((self._publisher, payload) for payload in transforms)
 
 
 class Markers(Periodic):

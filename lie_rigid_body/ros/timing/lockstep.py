@@ -28,8 +28,8 @@ class Lockstep:
     stamp, before it or after it. Then its answer is awaited, unless that has come already, or a reading of that stamp
     or a later one was awaited before. Other readings are not waited for: a filter that pairs its sensors has no answer
     to them. Before its first answer, a filter is waited for no longer than `FIRST_NS` at each reading. The same holds
-    after its answer to a reading that has no partner. There message_filters' ApproximateTime may have spent the partner
-    of the awaited reading, where both sensors lose some.
+    after its first answer to another reading than the awaited one, however old. There message_filters' ApproximateTime
+    may have spent the partner of the awaited reading, where both sensors lose some.
 
     Parameters
     ----------
@@ -113,12 +113,14 @@ class Lockstep:
     def hear(self, stamp_ns: int) -> None:
         """Take the stamp of an estimate."""
         self._longest_ns = self._timeout_ns
+        is_first = stamp_ns in self._unanswered
+        if is_first:
+            self._unanswered.remove(stamp_ns)
         if stamp_ns in self._awaited:
             self._awaited.remove(stamp_ns)
             self._waited_ns = 0
-            self._unanswered = deque((s for s in self._unanswered if s > stamp_ns), maxlen=STAMPS_KEPT)
         else:
-            if stamp_ns in self._unanswered:
+            if is_first:
                 self._longest_ns = min(FIRST_NS, self._timeout_ns)
             self._others += 1
             self._other_ns = stamp_ns

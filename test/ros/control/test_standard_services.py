@@ -223,6 +223,7 @@ def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
         ("", (1, 2), OK, []),
         ("^robot", (4,), OK, []),
         ("(", (), FAILED, []),
+        ("(x+x+)+y", (), FAILED, []),
     ],
 )
 def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], code: int, found: list[str]) -> None:
@@ -234,13 +235,6 @@ def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], c
     assert (both.result.result, both.entities) == (code, found)
     alone = paused.ask("get_entity_state", entity=NAME).state
     assert both.states == [alone for _ in found]
-
-
-@pytest.mark.parametrize("pattern", ["a{99999999999999999999}", "(" * 900])
-def test_what_no_regular_expression_may_do_is_answered(paused: Simulator, pattern: str) -> None:
-    """It overflows, or recurses."""
-    answer = paused.ask("get_entities", filters=entity_filters(pattern))
-    assert (answer.result.result, answer.entities) == (FAILED, [])
 
 
 @pytest.mark.parametrize("field", ["tags", "bounds"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
@@ -25,6 +26,15 @@ pytestmark = pytest.mark.ros
 NS = 1_000_000_000
 STORE = get_typestore(Stores.ROS2_JAZZY)
 MOVING = {"translation": "thrown", "initial_velocity": [1.0, 2.0, 3.0], "initial_position": [7.0, 8.0, 9.0]}
+
+
+def send(messages: Iterable[tuple[Any, bytes]]) -> None:
+    for publisher, payload in messages:
+        publisher.publish(payload)
+
+
+NODE: Any = None
+SENDER: Any = SimpleNamespace(send=send)
 
 
 @pytest.fixture
@@ -55,7 +65,7 @@ def xyz(vector: Any) -> list[float]:
 def test_the_body_is_where_the_scenario_has_it(topics: dict[str, Any], moving: dict[str, Any]) -> None:
     scenario = Scenario.from_parameters({"world_frame": "map", "body_frame": "phone", **moving})
     simulation = Simulation(scenario, NS)
-    sink = views.Transforms(None)  # type: ignore[arg-type]
+    sink = views.Transforms(NODE, SENDER)
     sink.begin_segment(simulation.segment)
     sink.write(BatchEncoder(scenario).encode(simulation.take_until(2 * NS, 100)))
     found = transforms(topics["/tf"])
@@ -69,7 +79,7 @@ def test_the_body_is_where_the_scenario_has_it(topics: dict[str, Any], moving: d
 
 
 def test_the_imu_is_at_its_lever_arm_and_late_listeners_hear_so(topics: dict[str, Any]) -> None:
-    sink = views.Transforms(None)  # type: ignore[arg-type]
+    sink = views.Transforms(NODE, SENDER)
     on: dict[str, object] = {"imu_rate": 100.0, "accelerometer_lever_arm": [0.1, -0.2, 0.3], "body_frame": "phone"}
     for given in (on, {**on, "imu_frame": "phone"}, {**on, "imu_rate": 0.0}):
         sink.begin_segment(Simulation(Scenario.from_parameters(given), NS).segment)

@@ -291,3 +291,29 @@ def test_a_reading_whose_partner_another_has_spent_is_waited_for_a_second(is_spe
         with pytest.raises(LieRigidBodyError):
             waited(2)
     assert now > 10 * NS
+
+
+def test_the_reading_that_has_spent_a_partner_may_be_older_than_one_that_was_answered() -> None:
+    """As by message_filters' synchronizer in Python: imu(1) alone, both of 2 are a pair, then imu(1) takes the 3."""
+    lockstep = Lockstep("/imu/data", lambda: ("imu", "magnetometer"), 10 * NS)
+    lockstep.begin_segment(["imu", "magnetometer"])
+    now = 0
+
+    def waited() -> int:
+        nonlocal now
+        begin = now
+        while lockstep.holds(now):
+            now += NS // 10
+        return now - begin
+
+    assert not lockstep.holds(now)
+    lockstep.sent([("imu", 1)])
+    lockstep.sent([("magnetometer", 2), ("imu", 2)])
+    lockstep.hear(2)
+    lockstep.sent([("magnetometer", 3), ("imu", 3)])
+    lockstep.hear(1)
+    assert NS < waited() < 2 * NS
+    lockstep.sent([("magnetometer", 4), ("imu", 4)])
+    lockstep.hear(1)  # once more: it has spent nothing again
+    with pytest.raises(LieRigidBodyError):
+        waited()
