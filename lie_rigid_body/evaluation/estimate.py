@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape_remedy
 from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, Booleans
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import call_repr
 
@@ -109,7 +109,7 @@ class Estimate:
     def __len__(self) -> int:
         return len(self.attitude_xyzw)
 
-    def __getitem__(self, rows: slice) -> Estimate:
+    def __getitem__(self, rows: slice | Booleans) -> Estimate:
         arrays: dict[str, Any] = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray)}
         return replace(self, **{name: each[rows] for name, each in arrays.items()})
 

@@ -12,12 +12,15 @@ import numpy as np
 
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import bias_error
+from lie_rigid_body.evaluation.arguments import MIN_NORM
+from lie_rigid_body.evaluation.attitudes import period_ns
 from lie_rigid_body.evaluation.causes import BY_CODE
 from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.statistics import largest_of_second_half, rms, settling_limit, time_to_converge
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league.cases import CASES, SETTLED_S, WIRING, Case, readings_hash, run_of
 from lie_rigid_body.league.table import LOST_DEG, MOST, CaseResult, FilterRow, reference
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.ensemble import BlindRun
 
 MIN_SHARE: Final = 0.9
@@ -115,18 +118,22 @@ def play_case(estimate: Estimator, case: Case, constant: Constant | None = None)
     due_ns = run.sensors["imu"].t_ns
     try:
         found = called(estimate, BlindRun.without_truth(run), SETTLED_S)
-        track = Matched(found.t_ns, found.attitude_xyzw, run.attitude())
-        error = track.error()
-        t_s = (found.t_ns - begin_ns) / 1e9
-        settled = t_s >= SETTLED_S
-        count = int(np.sum(settled))
-        due = int(np.sum(due_ns - begin_ns >= SETTLED_S * 1e9))
-        if count < MIN_SHARE * due:
+        norms = quaternion.norm(found.attitude_xyzw)
+        found = found[(norms >= MIN_NORM) & np.isfinite(norms)]
+        late_ns = due_ns[due_ns - begin_ns >= SETTLED_S * 1e9]
+        half_ns = period_ns(due_ns) // 2
+        ends = np.searchsorted(found.t_ns, late_ns + half_ns, side="right")
+        share = float(np.mean(ends > np.searchsorted(found.t_ns, late_ns - half_ns)))
+        if share < MIN_SHARE:
             raise InputError(
-                f"{count} attitudes after {SETTLED_S:g} s, for {due} readings of the IMU: give nine tenths at least"
+                f"attitudes at {share:.0%} of the readings of the IMU after {SETTLED_S:g} s: give nine tenths at least"
             )
     except InputError as failure:
         return lost(failure), constant
+    track = Matched(found.t_ns, quaternion.normalize(found.attitude_xyzw), run.attitude())
+    error = track.error()
+    t_s = (found.t_ns - begin_ns) / 1e9
+    settled = t_s >= SETTLED_S
     off = None
     if found.gyro_bias is not None:
         with suppress(InputError):  # one that is not finite costs no attitude

@@ -249,8 +249,9 @@ class LeagueTable:
 
     def rank_without_constant(self, row: FilterRow) -> int:
         """Place that a row would have without its constant."""
-        error = row.overall("without_constant_deg")
-        return 1 + sum(_place(other) < (False, error) for other in self.rows if other is not row)
+        (wiring_deg,) = row.of([WIRING], "without_constant_deg")
+        place = wiring_deg > MAX_WIRED_DEG, row.overall("without_constant_deg")
+        return 1 + sum(_place(other) < place for other in self.rows if other is not row)
 
     def _neighbours(self, row: FilterRow) -> tuple[Sequence[FilterRow], Sequence[FilterRow]]:
         """Rows above, the nearest first, and below."""
@@ -260,8 +261,8 @@ class LeagueTable:
     def tied(self, row: FilterRow) -> list[FilterRow]:
         """Neighbours of a row in rank, up and down, from which it is not shown to differ, best first.
 
-        From one to the other no two rows are shown to differ, by pairs of the cases by which filters are ranked, at 5 %
-        each. So of two rows both are tied with the other, or none.
+        From the row up, and from the row down, they end where two of them are shown to differ, by pairs of the cases by
+        which filters are ranked, at 5 %. So of two rows both are tied with the other, or none.
         """
         up, down = (_alike_from(row, others) for others in self._neighbours(row))
         return [*reversed(up), *down]
@@ -342,7 +343,7 @@ def angle(error_deg: float) -> str:
 
 
 def rank_with_ties(table: LeagueTable, row: FilterRow) -> str:
-    """Rank of a row, and in brackets the ranks between which no difference is shown."""
+    """Rank of a row, and in brackets those of the neighbours with which it is tied."""
     ranks = [table.rank(other) for other in (row, *table.tied(row))]
     return f"{ranks[0]}" + (f" ({min(ranks)} to {max(ranks)})" if min(ranks) < max(ranks) else "")
 

@@ -148,7 +148,7 @@ def draw_league(table: LeagueTable, width: float) -> Figure:
     axes.scatter([row.overall_deg for row in rows], places, marker="|", color=BLACK, s=60, label="overall")
     axes.scatter(real, places, marker="x", color=BLACK, s=22, label="real recordings")
     axes.set_yticks(places, [row.name + " *" * row.sees_future for row in rows], fontsize=7)
-    axes.set(xscale="log", xlabel="RMS of the total error, °", ylim=(len(rows) - 0.4, -0.6))
+    axes.set(xscale="log", xlabel="RMS of the total error, °: less is better", ylim=(len(rows) - 0.4, -0.6))
     axes.xaxis.set_major_formatter("{x:g}")
     if in_doubt := sum(not row.is_wired for row in rows):  # they stand at the end
         axes.axhline(len(rows) - in_doubt - 0.5, color="#888888", linestyle=":")

@@ -270,10 +270,22 @@ def test_few_attitudes_are_a_failure_and_a_large_error_is_no_convergence():
     case = MEMS
     run: Any = run_of(case)
     last = run.imu.t_ns[-1:]
-    few = play_case(lambda blind: Estimate(run.attitude().at(last), last), case)[0]
-    assert (few.total_deg, few.failure != "") == (180.0, True)
+    crowded = last - np.arange(4000)[::-1] * 1000
+    for stamps in (last, crowded):
+        few = play_case(lambda blind, stamps=stamps: Estimate(run.attitude().at(stamps), stamps), case)[0]
+        assert (few.total_deg, few.failure != "") == (180.0, True)
     still = play_case(lambda blind: np.tile([0.0, 0.0, 0.0, 1.0], (len(run.imu.t_ns), 1)), case)[0]
     assert (still.total_deg > 20.0, still.converged_s) == (True, None)
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
+def test_what_is_no_attitude_is_no_answer(value: float) -> None:
+    run: Any = run_of(MEMS)
+    off = run.attitude().at(run.imu.t_ns) * 2.0
+    off[5000::20] = value
+    assert 0.0 < play_case(lambda blind: off, MEMS)[0].total_deg < 1e-6
+    off[3000:] = value
+    assert play_case(lambda blind: off, MEMS)[0].failure
 
 
 @pytest.mark.parametrize("value", [True, False])
