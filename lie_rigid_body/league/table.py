@@ -261,8 +261,8 @@ class LeagueTable:
     def tied(self, row: FilterRow) -> list[FilterRow]:
         """Neighbours of a row in rank, up and down, from which it is not shown to differ, best first.
 
-        From the row up, and from the row down, they end where two of them are shown to differ, by pairs of the cases by
-        which filters are ranked, at 5 %. So of two rows both are tied with the other, or none.
+        From the row up, and from the row down, they end where two of them are shown to differ at 5 %, by pairs of the
+        ranked cases. So of two rows both are tied with the other, or none.
         """
         up, down = (_alike_from(row, others) for others in self._neighbours(row))
         return [*reversed(up), *down]
