@@ -65,7 +65,7 @@ class Displacement:
             World frame, m.
         """
         x = real_array("points", points, (..., len(self.translation)), empty=True)
-        return np.asarray(x @ self.rotation.T + self.translation)
+        return x @ self.rotation.T + self.translation
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # of points that are all the same

@@ -52,7 +52,7 @@ def from_quaternion(q: ArrayLike) -> Complex:
     worst = np.max(np.abs(quaternion.norm(q) - 1.0), initial=0.0)
     if not worst <= ELEMENT_TOLERANCE:
         raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
-    return np.asarray(np.tensordot(q, _BASIS, axes=1))
+    return np.tensordot(q, _BASIS, axes=1)
 
 
 def to_quaternion(U: ArrayLike) -> Array:

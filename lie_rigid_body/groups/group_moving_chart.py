@@ -189,7 +189,7 @@ def runge_kutta_step(tableau: ChainTableau, field: Callable[[Array], Array], sta
     slopes = np.zeros((len(tableau.b), len(start)))
     for stage, weight in enumerate(tableau.a):
         slopes[stage] = field(start + h * (float(weight) * slopes[stage - 1]))
-    return np.asarray(start + h * (np.array(tableau.b, dtype=np.float64) @ slopes))
+    return start + h * (np.array(tableau.b, dtype=np.float64) @ slopes)
 
 
 def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:

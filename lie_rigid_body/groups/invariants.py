@@ -52,7 +52,7 @@ def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
         If the group has no regular invariant form.
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
-    return np.asarray(group.hat(p @ np.linalg.inv(invariant_form(group))))
+    return group.hat(p @ np.linalg.inv(invariant_form(group)))
 
 
 def quadratic_casimirs(group: MatrixLieGroup) -> Array:
@@ -170,7 +170,7 @@ def unitary_casimirs(momentum: ArrayLike) -> Array:
     InputError
         If P is not square, finite and anti-Hermitian.
     """
-    return np.asarray(_power_traces(-1j * _nonempty(_antihermitian_matrices(momentum)))[..., 1:].real)
+    return _power_traces(-1j * _nonempty(_antihermitian_matrices(momentum)))[..., 1:].real
 
 
 @within_doubles

@@ -106,7 +106,7 @@ class Lagrangian(MadeAnew):
         ndarray, shape (..., d)
             kg m²/s.
         """
-        return np.asarray(self.group.as_components(rate, "rates") @ self.metric)
+        return self.group.as_components(rate, "rates") @ self.metric
 
     @within_doubles
     def rates(self, momentum: ArrayLike) -> Array:
@@ -120,7 +120,7 @@ class Lagrangian(MadeAnew):
         -------
         ndarray, shape (..., d)
         """
-        return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
+        return self.group.as_components(momentum, "momenta") @ self.inverse_metric
 
     @within_doubles
     def chart_force(self, rate: ArrayLike) -> Array:
@@ -178,7 +178,7 @@ class Lagrangian(MadeAnew):
         ndarray, shape (..., d)
             1/s².
         """
-        return np.asarray(self.momentum_rate(rate) @ self.inverse_metric)
+        return self.momentum_rate(rate) @ self.inverse_metric
 
     @within_doubles
     def action(self, path: ArrayLike, step: float) -> Array:
@@ -272,4 +272,4 @@ def christoffel_symbols(lagrangian: Lagrangian) -> Array:
     ndarray, shape (d, d, d)
     """
     connection = connection_coefficients(lagrangian)
-    return np.asarray(0.5 * (connection + np.swapaxes(connection, 0, 1)))
+    return 0.5 * (connection + np.swapaxes(connection, 0, 1))

@@ -76,7 +76,7 @@ class RelativeEquilibrium:
         imaginary = self.eigenvalues.imag
         # a double eigenvalue 0 splits under round-off by its square root
         noise = np.sqrt(ROUND_OFF) * np.abs(self.eigenvalues).max(initial=0.0)
-        return np.asarray(np.sort(imaginary[imaginary > noise]))
+        return np.sort(imaginary[imaginary > noise])
 
 
 def steady_axes(lagrangian: Lagrangian) -> Array:
@@ -104,7 +104,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     # with ω = C⁻ᵀy and M = CCᵀ, the pencil Mω = λgω is the symmetric (Cᵀg⁻¹C) y = λy
     values, vectors = np.linalg.eigh(lower.T @ np.linalg.solve(invariant_form(lagrangian.group), lower))
     axes = np.linalg.solve(lower.T, vectors[:, np.argsort(values, kind="stable")]).T
-    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+    return axes / np.linalg.norm(axes, axis=1, keepdims=True)
 
 
 @within_doubles
@@ -186,7 +186,7 @@ def linearisation(lagrangian: Lagrangian, rate: ArrayLike) -> Array:
     w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates")
     turning = np.tensordot(w, lagrangian.group.structure_constants, axes=1)
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
-    return np.asarray(directions @ lagrangian.inverse_metric + turning)
+    return directions @ lagrangian.inverse_metric + turning
 
 
 def _energy_curvature(lagrangian: Lagrangian, rate: Array, directions: Array) -> tuple[Array, float]:

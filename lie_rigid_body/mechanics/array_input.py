@@ -90,7 +90,7 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
 
 def symmetrised(m: Array) -> Array:
     """The symmetric part (m + mᵀ)/2 of matrices, shape (..., n, n)."""
-    return np.asarray(0.5 * (m + np.swapaxes(m, -1, -2)))
+    return 0.5 * (m + np.swapaxes(m, -1, -2))
 
 
 def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:

@@ -59,7 +59,7 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
             f"entries across the diagonal differ by up to {gap:.3g}, more than round-off ({allowed:.3g}): give a "
             "symmetric tensor, as (I + I.T) / 2",
         )
-    return np.asarray(0.5 * array + 0.5 * array.T)
+    return 0.5 * array + 0.5 * array.T
 
 
 def principal_decomposition(matrix: Array) -> tuple[Array, Array]:
@@ -133,4 +133,4 @@ def apply_tensor(tensor: Array, vectors: Array) -> Array:
     x = vectors[..., 0:1]
     y = vectors[..., 1:2]
     z = vectors[..., 2:3]
-    return np.asarray(x * tensor[..., 0] + y * tensor[..., 1] + z * tensor[..., 2])
+    return x * tensor[..., 0] + y * tensor[..., 1] + z * tensor[..., 2]
