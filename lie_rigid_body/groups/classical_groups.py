@@ -5,6 +5,7 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
+import sys
 from abc import abstractmethod
 from itertools import combinations
 from typing import Final
@@ -19,7 +20,7 @@ from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
-TINY: Final = float(np.finfo(np.float64).tiny)
+TINY: Final = sys.float_info.min
 UNIQUE_LIMIT: Final = 1e-12
 """Singular values, relative to the largest, and angles, rad, up to which a nearest element is not unique."""
 

@@ -33,6 +33,9 @@ from lie_rigid_body.foundation.arrays import Array
 Matrix: TypeAlias = NDArray[Any]
 """Real or complex matrices, shape (..., n, n)."""
 
+Complex: TypeAlias = NDArray[np.complex128]
+"""Complex numbers."""
+
 LOGARITHM_RADIUS: Final = 0.5
 """Frobenius distance from the identity up to which the series of the logarithm is used."""
 

@@ -13,6 +13,7 @@ from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import ad_star, coadjoint_directions, invariant_form
+from lie_rigid_body.groups.exponential import Complex
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
 
@@ -59,7 +60,7 @@ class RelativeEquilibrium:
     """
 
     rate: Array
-    eigenvalues: NDArray[np.complex128]
+    eigenvalues: Complex
     stability: Stability
 
     @property
@@ -235,9 +236,7 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
     return turned / scale if scale else 0.0
 
 
-def _verdict(
-    linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float, zero: float
-) -> Stability:
+def _verdict(linear: Array, eigenvalues: Complex, signs: NDArray[np.int_], split: float, zero: float) -> Stability:
     """The stability by the linearised motion and the signs of the energy's curvature on the orbit, of dimension m.
 
     A linearised motion no larger than `zero` is what its terms leave where they cancel: none.
@@ -255,7 +254,7 @@ def _verdict(
     return Stability.LINEARLY_STABLE if rests else Stability.MARGINAL
 
 
-def _semisimple(linear: Array, eigenvalues: NDArray[np.complex128], split: float) -> bool:
+def _semisimple(linear: Array, eigenvalues: Complex, split: float) -> bool:
     """Whether every eigenvalue has as many eigenvectors as its multiplicity, counted with those within 2·split."""
     for value in eigenvalues:
         multiplicity = np.count_nonzero(np.abs(eigenvalues - value) <= 2.0 * split)

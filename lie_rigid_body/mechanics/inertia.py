@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 
 _NAME: Final = "inertia"
-MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+MOMENT_ROUND_OFF: Final = 8.0 * sys.float_info.epsilon
 """Rounding error of principal moments, relative to the largest: moments that differ by no more count as equal."""
 SYMMETRY_ULPS: Final = 8.0
 """Largest difference of entries across the diagonal of a tensor, in units in the last place of its largest entry."""
