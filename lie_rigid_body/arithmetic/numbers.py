@@ -14,8 +14,6 @@ from lie_rigid_body.foundation.arrays import Array
 Number: TypeAlias = float | Array
 """A float, or an array with an element for each of many times."""
 
-Quadruple: TypeAlias = tuple[Number, Number, Number, Number]
-
 _WHOLE: Final = 1.5 * 2.0**52
 """Constant 1.5·2⁵²: adding it to a double and subtracting it again rounds to the nearest integer."""
 

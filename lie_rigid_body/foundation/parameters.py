@@ -182,7 +182,7 @@ class Parameter:
         return tuple(self._number(v) for v in value)
 
 
-def read_table(table: Collection[Parameter], given: Mapping[str, object]) -> dict[str, Value]:
+def read_table(table: Collection[Parameter], given: Given) -> dict[str, Value]:
     """The value of every parameter of a table: the given ones in their own types, the rest at their defaults.
 
     Parameters

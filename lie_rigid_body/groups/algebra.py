@@ -39,7 +39,7 @@ DEXPINV_LIMIT: Final = 1e12
 
 def frobenius(matrices: Matrix) -> Array:
     """Frobenius norm over the last two axes, shape (...)."""
-    return np.asarray(np.linalg.norm(matrices, axis=(-2, -1)))
+    return np.linalg.norm(matrices, axis=(-2, -1))
 
 
 def flattened(matrices: Matrix) -> Array:
@@ -162,7 +162,7 @@ class MatrixLieAlgebra(MadeAnew):
         ndarray, shape (..., n, n)
         """
         x = self.as_components(x)
-        return np.asarray((x @ self._rows).reshape(*x.shape[:-1], self.size, self.size))
+        return (x @ self._rows).reshape(*x.shape[:-1], self.size, self.size)
 
     def as_matrices(self, X: Any) -> Matrix:
         """Matrices, shape (..., n, n), in the number type of the generators; a group also checks them."""
@@ -171,7 +171,7 @@ class MatrixLieAlgebra(MadeAnew):
     @within_doubles
     def coordinates(self, X: Any) -> Array:
         """Coordinates of the nearest matrix of the algebra, shape (..., d); X has shape (..., n, n)."""
-        return np.asarray(flattened(self.as_matrices(X)) @ self._dual.T)
+        return flattened(self.as_matrices(X)) @ self._dual.T
 
     @within_doubles
     def off_span(self, X: Any) -> Array:
@@ -220,7 +220,7 @@ class MatrixLieAlgebra(MadeAnew):
         ndarray, shape (..., d, d)
         """
         x = self.as_components(x)
-        return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
+        return (x @ self._adjoint_rows).reshape(*x.shape, self.dimension)
 
     @within_doubles
     def dexp(self, x: ArrayLike) -> Array:

@@ -5,6 +5,7 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
+import sys
 from abc import abstractmethod
 from itertools import combinations
 from typing import Final
@@ -19,7 +20,7 @@ from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
-TINY: Final = float(np.finfo(np.float64).tiny)
+TINY: Final = sys.float_info.min
 UNIQUE_LIMIT: Final = 1e-12
 """Singular values, relative to the largest, and angles, rad, up to which a nearest element is not unique."""
 
@@ -210,7 +211,7 @@ class SpecialUnitaryElements(CompactElements):
                 f"no logarithm is singled out: the eigenvalues' angles spread over {spread:.15g} rad "
                 f"(limit 2π − {TIE_MARGIN:g}), where several are equally short; give an element closer to the identity"
             )
-        return np.asarray((Z * (1j * angles)) @ Z.conj().T)
+        return (Z * (1j * angles)) @ Z.conj().T
 
     def one_to_one(self, X: Matrix) -> Array:
         """The multiple t at which angles of two eigenvalues of tX are 2π apart, and another logarithm is as short."""
@@ -218,7 +219,7 @@ class SpecialUnitaryElements(CompactElements):
         return multiple_until(2.0 * np.pi, angles[..., -1] - angles[..., 0], X)
 
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
-        return np.asarray(rng.standard_normal(shape) + 1j * rng.standard_normal(shape))
+        return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
 
 
 class PhaseElements(Elements):
@@ -226,25 +227,25 @@ class PhaseElements(Elements):
 
     def distance(self, A: Matrix) -> Array:
         """Distance of the modulus from 1."""
-        return np.asarray(np.abs(np.abs(A[..., 0, 0]) - 1.0))
+        return np.abs(np.abs(A[..., 0, 0]) - 1.0)
 
     def project(self, A: Matrix) -> Matrix:
         """The number divided by its modulus."""
         modulus = np.abs(A)
         if not np.all(modulus > 0.0):
             raise InputError("no nearest phase: 0 is equally near to all; give a number other than 0")
-        return np.asarray(A / modulus)
+        return A / modulus
 
     def inverse(self, A: Matrix) -> Matrix:
         """The complex conjugate."""
-        return np.asarray(A.conj())
+        return A.conj()
 
     def log(self, A: Matrix) -> Matrix:
         """The angle, within ±π, times i."""
         angle = np.angle(A)
         _refuse_half_turn(float(np.abs(angle).max(initial=0.0)))
-        return np.asarray(1j * angle)
+        return 1j * angle
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Uniform phases."""
-        return np.asarray(np.exp(1j * rng.uniform(-np.pi, np.pi, (*shape, 1, 1))))
+        return np.exp(1j * rng.uniform(-np.pi, np.pi, (*shape, 1, 1)))

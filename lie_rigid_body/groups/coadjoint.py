@@ -46,7 +46,7 @@ def ad_star(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Arra
     w = of_kind(group, MatrixLieGroup).as_components(rate, "rates")
     p = group.as_components(momentum, "momenta")
     turning = np.tensordot(w, group.structure_constants, axes=1)
-    return np.asarray((turning @ p[..., np.newaxis])[..., 0])
+    return (turning @ p[..., np.newaxis])[..., 0]
 
 
 def coadjoint_directions(group: MatrixLieGroup, momentum: Array) -> Array:
@@ -107,7 +107,7 @@ def invariant_form(group: MatrixLieGroup) -> Array:
         return group.trace_metric
     flat = group.generators.reshape(group.dimension, -1)
     turned = np.swapaxes(group.generators, 1, 2).reshape(group.dimension, -1)
-    form = np.asarray(-np.real(flat @ turned.T))
+    form = -np.real(flat @ turned.T)
     if not _is_regular(form, np.sqrt(np.diag(group.trace_metric))):
         raise InputError(
             f"{group.name} has no regular invariant form, as tr(TᵃTᵇ) is singular: give a semisimple or compact group, "

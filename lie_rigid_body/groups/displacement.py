@@ -13,6 +13,7 @@ rotation is not unique; the one here does not.
 
 from __future__ import annotations
 
+import sys
 from typing import Final
 
 import numpy as np
@@ -23,7 +24,7 @@ from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics.array_input import require_share
 
-_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+_ROUND_OFF: Final = 8.0 * sys.float_info.epsilon
 """Rounding error of a coordinate, relative to the largest."""
 
 
@@ -65,7 +66,7 @@ class Displacement:
             World frame, m.
         """
         x = real_array("points", points, (..., len(self.translation)), empty=True)
-        return np.asarray(x @ self.rotation.T + self.translation)
+        return x @ self.rotation.T + self.translation
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # of points that are all the same

@@ -17,15 +17,14 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups.classical_groups import SO, SU
+from lie_rigid_body.groups.exponential import Complex
 from lie_rigid_body.groups.matrix_lie_group import ELEMENT_TOLERANCE
 from lie_rigid_body.lie import quaternion
-
-Complex = NDArray[np.complex128]
 
 _SU2: Final = SU(2)
 _SO3: Final = SO(3)
@@ -52,7 +51,7 @@ def from_quaternion(q: ArrayLike) -> Complex:
     worst = np.max(np.abs(quaternion.norm(q) - 1.0), initial=0.0)
     if not worst <= ELEMENT_TOLERANCE:
         raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
-    return np.asarray(np.tensordot(q, _BASIS, axes=1))
+    return np.tensordot(q, _BASIS, axes=1)
 
 
 def to_quaternion(U: ArrayLike) -> Array:

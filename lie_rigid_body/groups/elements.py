@@ -146,7 +146,7 @@ class GeneratedElements(Elements):
         T = self._algebra.generators
         each = A[..., np.newaxis, :, :]
         off = self._algebra.off_span(each @ T @ np.linalg.inv(each)) / frobenius(T)
-        return np.asarray(off.max(axis=-1))
+        return off.max(axis=-1)
 
     def project(self, A: Matrix) -> Matrix:
         """Refused: generators give no equations that a nearest element would fulfil."""
@@ -158,7 +158,7 @@ class GeneratedElements(Elements):
 
     def inverse(self, A: Matrix) -> Matrix:
         """The inverse by elimination."""
-        return np.asarray(np.linalg.inv(A))
+        return np.linalg.inv(A)
 
     def log(self, A: Matrix) -> Matrix:
         """The principal logarithm, where it lies in the algebra."""

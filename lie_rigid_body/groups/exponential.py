@@ -33,6 +33,9 @@ from lie_rigid_body.foundation.arrays import Array
 Matrix: TypeAlias = NDArray[Any]
 """Real or complex matrices, shape (..., n, n)."""
 
+Complex: TypeAlias = NDArray[np.complex128]
+"""Complex numbers."""
+
 LOGARITHM_RADIUS: Final = 0.5
 """Frobenius distance from the identity up to which the series of the logarithm is used."""
 
@@ -57,7 +60,7 @@ def exp(Z: Matrix) -> Matrix:
     if not Z.size:
         return Z
     E = expm(Z.astype(np.complex128))
-    return np.asarray(E if np.iscomplexobj(Z) else E.real)
+    return E if np.iscomplexobj(Z) else E.real
 
 
 def phi(Z: Matrix) -> Matrix:
@@ -90,14 +93,14 @@ def phi_inverse(Z: Matrix) -> Matrix:
     ndarray, shape (..., n, n)
     """
     try:
-        return np.asarray(np.linalg.inv(phi(Z)))
+        return np.linalg.inv(phi(Z))
     except np.linalg.LinAlgError:
         return np.full_like(Z, np.inf)
 
 
 def distance_from_identity(A: Matrix) -> Array:
     """Frobenius norm of A − 1, shape (...)."""
-    return np.asarray(np.linalg.norm(A - np.eye(A.shape[-1]), axis=(-2, -1)))
+    return np.linalg.norm(A - np.eye(A.shape[-1]), axis=(-2, -1))
 
 
 def log_near_identity(A: Matrix) -> Matrix:
@@ -119,7 +122,7 @@ def log_near_identity(A: Matrix) -> Matrix:
     total = one / (2 * _SERIES_TERMS - 1)
     for k in reversed(range(_SERIES_TERMS - 1)):
         total = squared @ total + one / (2 * k + 1)
-    return np.asarray(2.0 * (S @ total))
+    return 2.0 * (S @ total)
 
 
 def batched_log(A: Matrix, far: Callable[[Matrix], Matrix]) -> Matrix:

@@ -8,17 +8,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.groups.arguments import of_kind
-from lie_rigid_body.groups.exponential import phi_inverse
+from lie_rigid_body.groups.exponential import Matrix, phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.motion.motion import nanoseconds
@@ -48,7 +48,7 @@ class GroupState:
         Coordinates ω of A⁻¹Ȧ = ωᵃTᵃ, 1/s.
     """
 
-    element: NDArray[Any]
+    element: Matrix
     rate: Array
 
 
@@ -57,7 +57,7 @@ class _Reached(NamedTuple):
 
     time_ns: int
     steps: int
-    element: NDArray[Any]
+    element: Matrix
     momentum: Array
 
 
@@ -189,7 +189,7 @@ def runge_kutta_step(tableau: ChainTableau, field: Callable[[Array], Array], sta
     slopes = np.zeros((len(tableau.b), len(start)))
     for stage, weight in enumerate(tableau.a):
         slopes[stage] = field(start + h * (float(weight) * slopes[stage - 1]))
-    return np.asarray(start + h * (np.array(tableau.b, dtype=np.float64) @ slopes))
+    return start + h * (np.array(tableau.b, dtype=np.float64) @ slopes)
 
 
 def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:
@@ -215,7 +215,7 @@ def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:
     return np.concatenate([phi_inverse(-ad) @ rate, momentum @ lagrangian.group.ad(rate)])
 
 
-def recentred(group: MatrixLieGroup, centre: NDArray[Any], coordinates: Array) -> NDArray[Any]:
+def recentred(group: MatrixLieGroup, centre: Matrix, coordinates: Array) -> Matrix:
     """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
 
     It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
@@ -235,7 +235,7 @@ def _require_reach(ad: Array) -> None:
         )
 
 
-def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], Array]:
+def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[Matrix, Array]:
     if not isinstance(start, GroupState):
         raise InputError(f"start: {shown(start)} is no state: give GroupState(element, rate)")
     rate = real_array("rates", start.rate, (group.dimension,))

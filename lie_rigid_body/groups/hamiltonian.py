@@ -101,7 +101,7 @@ class Hamiltonian(MadeAnew):
         ndarray, shape (..., d)
             1/s.
         """
-        return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
+        return self.group.as_components(momentum, "momenta") @ self.inverse_metric
 
     def equations(self, momentum: ArrayLike) -> HamiltonsEquations:
         """Hamilton's equations, ω = ∂H/∂p and ṗᵃ = f[c,a,d] ωᶜ p_d: eqs. (35a) and (35b).

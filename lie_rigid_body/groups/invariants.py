@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import math
 from itertools import accumulate, repeat
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form
+from lie_rigid_body.groups.exponential import Complex, Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.symmetries import canonical_basis
 from lie_rigid_body.mechanics.array_input import ROUND_OFF
@@ -29,7 +30,7 @@ _CASIMIR_TOLERANCE: Final = 1e-10
 
 
 @within_doubles
-def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
+def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> Matrix:
     """The momentum as a matrix P of the algebra, for which Euler's equations are Ṗ = [P, Ω] with Ω = A⁻¹Ȧ.
 
     P = hat(g⁻¹p) with `invariant_form` g: pᵃTᵃ on SO(n) and SU(n), as before eq. (23), and KΩ + ΩK for a body with
@@ -52,7 +53,7 @@ def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
         If the group has no regular invariant form.
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
-    return np.asarray(group.hat(p @ np.linalg.inv(invariant_form(group))))
+    return group.hat(p @ np.linalg.inv(invariant_form(group)))
 
 
 def quadratic_casimirs(group: MatrixLieGroup) -> Array:
@@ -170,7 +171,7 @@ def unitary_casimirs(momentum: ArrayLike) -> Array:
     InputError
         If P is not square, finite and anti-Hermitian.
     """
-    return np.asarray(_power_traces(-1j * _nonempty(_antihermitian_matrices(momentum)))[..., 1:].real)
+    return _power_traces(-1j * _nonempty(_antihermitian_matrices(momentum)))[..., 1:].real
 
 
 @within_doubles
@@ -270,13 +271,13 @@ def _symmetric_basis(d: int) -> Array:
     return basis
 
 
-def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
+def _power_traces(p: Matrix) -> Matrix:
     """The traces of p, p², …, pⁿ on a new last axis."""
     powers = accumulate(repeat(p, p.shape[-1]), np.matmul)
     return np.stack([np.trace(power, axis1=-2, axis2=-1) for power in powers], axis=-1)
 
 
-def _nonempty(p: NDArray[Any]) -> NDArray[Any]:
+def _nonempty(p: Matrix) -> Matrix:
     if p.shape[-1] == 0:
         raise ParameterError("P", f"shape {p.shape} has no rows: give momentum_matrix(group, p)")
     return p
@@ -297,7 +298,7 @@ def _antisymmetric_matrices(value: ArrayLike) -> Array:
     return given
 
 
-def _antihermitian_matrices(value: ArrayLike) -> NDArray[np.complex128]:
+def _antihermitian_matrices(value: ArrayLike) -> Complex:
     """Given matrices, shape (..., n, n), checked to be anti-Hermitian to within round-off."""
     given = shaped("P", value, (..., "n", "n"), np.complex128)
     require_finite("P", given)
@@ -305,7 +306,7 @@ def _antihermitian_matrices(value: ArrayLike) -> NDArray[np.complex128]:
     return given
 
 
-def _require_small(given: NDArray[Any], sums: NDArray[Any], formula: str, kind: str) -> None:
+def _require_small(given: Matrix, sums: Matrix, formula: str, kind: str) -> None:
     off = np.abs(sums).max(axis=(-2, -1), initial=0.0)
     limit = ROUND_OFF * np.abs(given).max(axis=(-2, -1), initial=0.0)
     if np.any(off > limit):

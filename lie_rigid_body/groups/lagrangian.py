@@ -24,16 +24,16 @@ the Levi-Civita connection of a left-invariant metric.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups.arguments import MadeAnew, of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import ad_star
+from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 from lie_rigid_body.mechanics.array_input import positive, symmetrised
@@ -106,7 +106,7 @@ class Lagrangian(MadeAnew):
         ndarray, shape (..., d)
             kg m²/s.
         """
-        return np.asarray(self.group.as_components(rate, "rates") @ self.metric)
+        return self.group.as_components(rate, "rates") @ self.metric
 
     @within_doubles
     def rates(self, momentum: ArrayLike) -> Array:
@@ -120,7 +120,7 @@ class Lagrangian(MadeAnew):
         -------
         ndarray, shape (..., d)
         """
-        return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
+        return self.group.as_components(momentum, "momenta") @ self.inverse_metric
 
     @within_doubles
     def chart_force(self, rate: ArrayLike) -> Array:
@@ -178,7 +178,7 @@ class Lagrangian(MadeAnew):
         ndarray, shape (..., d)
             1/s².
         """
-        return np.asarray(self.momentum_rate(rate) @ self.inverse_metric)
+        return self.momentum_rate(rate) @ self.inverse_metric
 
     @within_doubles
     def action(self, path: ArrayLike, step: float) -> Array:
@@ -210,7 +210,7 @@ class Lagrangian(MadeAnew):
 
 
 @within_doubles
-def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
+def metric_at(lagrangian: Lagrangian, element: Matrix) -> Array:
     """The metric in the space frame at a group element, Ad(A)⁻ᵀ M Ad(A)⁻¹; of a body it is eq. (13) with A₀ = A.
 
     Parameters
@@ -272,4 +272,4 @@ def christoffel_symbols(lagrangian: Lagrangian) -> Array:
     ndarray, shape (d, d, d)
     """
     connection = connection_coefficients(lagrangian)
-    return np.asarray(0.5 * (connection + np.swapaxes(connection, 0, 1)))
+    return 0.5 * (connection + np.swapaxes(connection, 0, 1))

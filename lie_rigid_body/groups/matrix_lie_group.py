@@ -110,17 +110,16 @@ class MatrixLieGroup(MatrixLieAlgebra):
         """The argument as matrices, shape (..., n, n), of the group's number type; else a `ParameterError`."""
         return shaped(f"matrices of {self.name}", A, (..., self.size, self.size), self.generators.dtype)
 
-    def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Matrix:
+    def as_elements(self, A: ArrayLike) -> Matrix:
         """The argument as elements; an `InputError` with the distance from the group, if it is none.
 
         For a group from generators every matrix passes that is not ruled out; see `from_generators`.
         """
         A = self.as_matrices(A)
-        limit = float(real_array("tolerance", tolerance, ()))
         worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
-        if not worst <= limit:
+        if not worst <= ELEMENT_TOLERANCE:
             raise InputError(
-                f"a matrix is {worst:.3g} off {self.name} (limit {limit:g}): "
+                f"a matrix is {worst:.3g} off {self.name} (limit {ELEMENT_TOLERANCE:g}): "
                 "give an element of the group, or its projection by project()"
             )
         return A

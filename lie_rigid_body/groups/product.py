@@ -90,9 +90,7 @@ class ProductElements(Elements):
 
     def _largest(self, A: Matrix, distance: Callable[[Elements, Matrix], Array]) -> Array:
         outside = frobenius(A - self._blockwise(A, lambda _, part: part))
-        return np.asarray(
-            np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0)
-        )
+        return np.max([outside, *(distance(elements, part) for elements, _, part in self._parts(A))], axis=0)
 
     def project(self, A: Matrix) -> Matrix:
         """The nearest element of each factor to its block."""

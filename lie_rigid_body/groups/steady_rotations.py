@@ -13,6 +13,7 @@ from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import ad_star, coadjoint_directions, invariant_form
+from lie_rigid_body.groups.exponential import Complex
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
 
@@ -59,7 +60,7 @@ class RelativeEquilibrium:
     """
 
     rate: Array
-    eigenvalues: NDArray[np.complex128]
+    eigenvalues: Complex
     stability: Stability
 
     @property
@@ -76,7 +77,7 @@ class RelativeEquilibrium:
         imaginary = self.eigenvalues.imag
         # a double eigenvalue 0 splits under round-off by its square root
         noise = np.sqrt(ROUND_OFF) * np.abs(self.eigenvalues).max(initial=0.0)
-        return np.asarray(np.sort(imaginary[imaginary > noise]))
+        return np.sort(imaginary[imaginary > noise])
 
 
 def steady_axes(lagrangian: Lagrangian) -> Array:
@@ -104,7 +105,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     # with ω = C⁻ᵀy and M = CCᵀ, the pencil Mω = λgω is the symmetric (Cᵀg⁻¹C) y = λy
     values, vectors = np.linalg.eigh(lower.T @ np.linalg.solve(invariant_form(lagrangian.group), lower))
     axes = np.linalg.solve(lower.T, vectors[:, np.argsort(values, kind="stable")]).T
-    return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+    return axes / np.linalg.norm(axes, axis=1, keepdims=True)
 
 
 @within_doubles
@@ -186,7 +187,7 @@ def linearisation(lagrangian: Lagrangian, rate: ArrayLike) -> Array:
     w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates")
     turning = np.tensordot(w, lagrangian.group.structure_constants, axes=1)
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
-    return np.asarray(directions @ lagrangian.inverse_metric + turning)
+    return directions @ lagrangian.inverse_metric + turning
 
 
 def _energy_curvature(lagrangian: Lagrangian, rate: Array, directions: Array) -> tuple[Array, float]:
@@ -235,9 +236,7 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
     return turned / scale if scale else 0.0
 
 
-def _verdict(
-    linear: Array, eigenvalues: NDArray[np.complex128], signs: NDArray[np.int_], split: float, zero: float
-) -> Stability:
+def _verdict(linear: Array, eigenvalues: Complex, signs: NDArray[np.int_], split: float, zero: float) -> Stability:
     """The stability by the linearised motion and the signs of the energy's curvature on the orbit, of dimension m.
 
     A linearised motion no larger than `zero` is what its terms leave where they cancel: none.
@@ -255,7 +254,7 @@ def _verdict(
     return Stability.LINEARLY_STABLE if rests else Stability.MARGINAL
 
 
-def _semisimple(linear: Array, eigenvalues: NDArray[np.complex128], split: float) -> bool:
+def _semisimple(linear: Array, eigenvalues: Complex, split: float) -> bool:
     """Whether every eigenvalue has as many eigenvectors as its multiplicity, counted with those within 2·split."""
     for value in eigenvalues:
         multiplicity = np.count_nonzero(np.abs(eigenvalues - value) <= 2.0 * split)

@@ -48,7 +48,7 @@ def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayL
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     to_body = group.Ad(group.inverse(element))
-    return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
+    return (p[..., np.newaxis, :] @ to_body)[..., 0, :]
 
 
 def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: float = _TOLERANCE) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -13,7 +14,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
+ROUND_OFF: Final = 64.0 * sys.float_info.epsilon
 """Rounding error allowed in a given or computed matrix, relative to its largest entry or eigenvalue."""
 
 ORTHOGONAL_TOLERANCE: Final = 1e-9
@@ -90,7 +91,7 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
 
 def symmetrised(m: Array) -> Array:
     """The symmetric part (m + mᵀ)/2 of matrices, shape (..., n, n)."""
-    return np.asarray(0.5 * (m + np.swapaxes(m, -1, -2)))
+    return 0.5 * (m + np.swapaxes(m, -1, -2))
 
 
 def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:

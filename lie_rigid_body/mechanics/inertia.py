@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 
 _NAME: Final = "inertia"
-MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
+MOMENT_ROUND_OFF: Final = 8.0 * sys.float_info.epsilon
 """Rounding error of principal moments, relative to the largest: moments that differ by no more count as equal."""
 SYMMETRY_ULPS: Final = 8.0
 """Largest difference of entries across the diagonal of a tensor, in units in the last place of its largest entry."""
@@ -59,7 +60,7 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
             f"entries across the diagonal differ by up to {gap:.3g}, more than round-off ({allowed:.3g}): give a "
             "symmetric tensor, as (I + I.T) / 2",
         )
-    return np.asarray(0.5 * array + 0.5 * array.T)
+    return 0.5 * array + 0.5 * array.T
 
 
 def principal_decomposition(matrix: Array) -> tuple[Array, Array]:
@@ -132,4 +133,4 @@ def apply_tensor(tensor: Array, vectors: Array) -> Array:
     x = vectors[..., 0:1]
     y = vectors[..., 1:2]
     z = vectors[..., 2:3]
-    return np.asarray(x * tensor[..., 0] + y * tensor[..., 1] + z * tensor[..., 2])
+    return x * tensor[..., 0] + y * tensor[..., 1] + z * tensor[..., 2]

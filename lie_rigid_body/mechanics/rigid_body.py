@@ -123,7 +123,7 @@ class RigidBody(Immutable):
             rad/s².
         """
         torque = np.cross(self.body_momentum(states), states.body_rate)
-        return np.asarray(np.linalg.solve(self.inertia, torque[..., np.newaxis])[..., 0])
+        return np.linalg.solve(self.inertia, torque[..., np.newaxis])[..., 0]
 
     def angular_momentum(self, states: State) -> Array:
         """Angular momentum in the world frame, L = A M ω: every component is conserved, by the symmetry

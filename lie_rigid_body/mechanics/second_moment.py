@@ -129,7 +129,7 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
     c, o = (real_array(name, point, (len(K),)) for name, point in (("centre", centre), ("origin", origin)))
     require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
     # written without c cᵀ, which would cancel
-    return np.asarray(K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c)))
+    return K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c))
 
 
 def inertia_from_second_moment(second_moment: ArrayLike) -> Array:

@@ -19,7 +19,6 @@ MIN_THICKNESS: Final = 0.02
 """Shortest side of a box that is to be seen, as a share of the longest."""
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
     """A ball in n dimensions: K = m r²/(n + 2) 1, eq. (10).
 
@@ -44,7 +43,6 @@ def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
     return ellipsoid(mass, np.full(whole_number("dimension", dimension, 1), positive("radius", radius, "m")))
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
     """A solid ellipsoid in n dimensions: K = m diag(aᵢ²)/(n + 2), eq. (10).
 
@@ -65,10 +63,9 @@ def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
         If the mass or a length is not positive.
     """
     a = positive("semi-axes", semi_axes, "m", ("n",))
-    return _centred(mass, a**2 / (len(a) + 2))
+    return _centred(mass, a, len(a) + 2)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def box(mass: float, edges: ArrayLike) -> MassMoments:
     """A rectangular box in n dimensions: K = m diag(lᵢ²)/12, eq. (10).
 
@@ -88,7 +85,7 @@ def box(mass: float, edges: ArrayLike) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    return _centred(mass, positive("edges", edges, "m", ("n",)) ** 2 / 12)
+    return _centred(mass, positive("edges", edges, "m", ("n",)), 12)
 
 
 def box_sides(principal_moments: ArrayLike) -> Array:
@@ -114,7 +111,6 @@ def box_sides(principal_moments: ArrayLike) -> Array:
     return np.asarray(np.maximum(sides / sides.max(), MIN_THICKNESS))
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def cylinder(mass: float, radius: float, height: float) -> MassMoments:
     """A solid circular cylinder about the z axis: K = m diag(r²/4, r²/4, h²/12), eq. (10).
 
@@ -137,11 +133,9 @@ def cylinder(mass: float, radius: float, height: float) -> MassMoments:
         If the mass or a length is not positive.
     """
     r = positive("radius", radius, "m")
-    h = positive("height", height, "m")
-    return _centred(mass, np.array([r**2 / 4, r**2 / 4, h**2 / 12]))
+    return _centred(mass, [r, r, positive("height", height, "m")], [4, 4, 12])
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def rod(mass: float, length: float) -> MassMoments:
     """A thin rod along the z axis: K = m diag(0, 0, l²/12), eq. (10).
 
@@ -163,10 +157,9 @@ def rod(mass: float, length: float) -> MassMoments:
     ParameterError
         If the mass or the length is not positive.
     """
-    return _centred(mass, np.array([0.0, 0.0, positive("length", length, "m") ** 2 / 12]))
+    return _centred(mass, [0.0, 0.0, float(positive("length", length, "m"))], 12)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def disc(mass: float, radius: float) -> MassMoments:
     """A thin circular disc across the z axis: K = m diag(r²/4, r²/4, 0), eq. (10).
 
@@ -186,10 +179,12 @@ def disc(mass: float, radius: float) -> MassMoments:
     ParameterError
         If the mass or the radius is not positive.
     """
-    r = positive("radius", radius, "m")
-    return _centred(mass, np.array([r**2 / 4, r**2 / 4, 0.0]))
+    r = float(positive("radius", radius, "m"))
+    return _centred(mass, [r, r, 0.0], 4)
 
 
-def _centred(mass: float, mean_squares: Array) -> MassMoments:
-    m = float(positive("mass", mass, "kg"))
-    return MassMoments(m, np.zeros(len(mean_squares)), np.diag(m * mean_squares))
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
+def _centred(mass: float, lengths: ArrayLike, divisors: ArrayLike) -> MassMoments:
+    """The body whose mean squares of the coordinates are the squares of these lengths over these divisors."""
+    mean_squares = np.square(lengths) / divisors
+    return MassMoments(mass, np.zeros(len(mean_squares)), np.diag(positive("mass", mass, "kg") * mean_squares))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable
 
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion.kicks import KickedMotion, Kicks
-from lie_rigid_body.motion.motion import Motion
+from lie_rigid_body.motion.motion import Motion, Samples
 from lie_rigid_body.motion.time_steps import require_order
 
 
@@ -32,7 +32,7 @@ class KickedSteps(KickedMotion):
         # replaced as a whole, never changed: a copy of the motion goes on by itself, and a signal finds all or none
         self._reached = 0, free(start), 0
 
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+    def _samples(self, t_ns: Integers) -> Samples:
         arc, motion, reached_ns = self._reached
         require_order(t_ns, reached_ns)
 

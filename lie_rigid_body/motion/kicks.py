@@ -20,7 +20,7 @@ from lie_rigid_body.foundation.parameters import NS, decimal_ns
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.motion.motion import Motion, states_at
+from lie_rigid_body.motion.motion import Motion, Samples, states_at
 
 KICK_NUMBERS: Final = 4
 """Numbers of a kick: its time, s, and the body rate right after it, rad/s."""
@@ -175,10 +175,10 @@ class KickedMotion(ABC):
         return states_at(self._start, t_ns, self._samples)
 
     @abstractmethod
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+    def _samples(self, t_ns: Integers) -> Samples:
         """Attitudes and body rates at N times, shapes (N, 4) and (N, 3)."""
 
-    def _by_arcs(self, t_ns: Integers, motion_of: Callable[[int], Motion]) -> tuple[Array, Array]:
+    def _by_arcs(self, t_ns: Integers, motion_of: Callable[[int], Motion]) -> Samples:
         """Attitudes and body rates at N times, from the free motions of the arcs, which are asked for in order."""
         attitude = np.empty((len(t_ns), 4))
         rate = np.empty((len(t_ns), 3))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,9 @@ from lie_rigid_body.foundation.arrays import TO_NANOSECONDS, Array, Integers, as
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
+
+Samples: TypeAlias = tuple[Array, Array]
+"""Attitudes, scalar last, and body rates, rad/s, at N times, shapes (N, 4) and (N, 3)."""
 
 
 class Motion(Protocol):
@@ -86,7 +89,7 @@ def nanoseconds(t_ns: ArrayLike) -> Integers:
     return array.astype(np.int64)
 
 
-def states_at(start: State | None, t_ns: ArrayLike, samples: Callable[[Integers], tuple[Array, Array]]) -> State:
+def states_at(start: State | None, t_ns: ArrayLike, samples: Callable[[Integers], Samples]) -> State:
     """The states at some times: shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
 
     Parameters

@@ -30,7 +30,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.moser_veselov import MAX_TURN, MoserVeselovIntegrator
-from lie_rigid_body.motion.motion import require_one, states_at
+from lie_rigid_body.motion.motion import Samples, require_one, states_at
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, MuntheKaasIntegrator
 from lie_rigid_body.motion.time_steps import require_order, steps_to
 
@@ -223,7 +223,7 @@ class MovingChart:
         """
         return states_at(self._start, t_ns, self._samples)
 
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+    def _samples(self, t_ns: Integers) -> Samples:
         """Attitudes and body rates at N times, shapes (N, 4) and (N, 3); the body moves on to the last."""
         state, reached_ns = self._reached
         require_order(t_ns, reached_ns)

@@ -22,7 +22,7 @@ from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.state import UNIT_NORM_TOLERANCE
 from lie_rigid_body.motion.mass_centre import MassCentre
-from lie_rigid_body.motion.motion import states_at
+from lie_rigid_body.motion.motion import Samples, states_at
 
 KNOT_NUMBERS: Final = 8
 """Numbers of a knot: its time, s, its position, m, and its attitude, scalar last."""
@@ -145,7 +145,7 @@ class PosePath:
         inside = np.clip(t_ns, self.knots.t_ns[0], self.last_ns)
         return inside / NS, ((t_ns - inside) / NS)[:, np.newaxis]
 
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+    def _samples(self, t_ns: Integers) -> Samples:
         seconds, beyond = self._inside(t_ns)
         piece = np.searchsorted(self._seconds[1:-1], seconds, side="right")
         rate = self._rotation(seconds, 1)

@@ -71,8 +71,7 @@ def steps_to(times_ns: Integers, reached_ns: int, max_step: float) -> tuple[Inte
         If the last lies impossibly many steps ahead.
     """
     steps_through(int(times_ns.max(initial=reached_ns)), reached_ns, max_step)
-    path = np.append(np.int64(reached_ns), times_ns)
-    spans = path[1:] - path[:-1]
+    spans = np.diff(times_ns, prepend=reached_ns)
     counts = _whole(spans * _steps_per_ns(max_step))
     return spans, np.maximum(counts, spans > 0).astype(np.int64)
 

@@ -15,7 +15,7 @@ from typing import Final, TypeAlias
 
 from flint import arb, fmpq
 
-MAX_FLOAT: Final = float(sys.float_info.max)
+MAX_FLOAT: Final = sys.float_info.max
 
 Balls: TypeAlias = tuple[arb, ...]
 """A vector (3 balls) or a quaternion (4 balls, scalar last)."""

@@ -7,12 +7,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Final
 
-import numpy as np
 from flint import arb, ctx
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import as_double, as_numbers, whole_number
-from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.arrays import as_double, shaped, whole_number
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.proof.balls import (
@@ -163,10 +162,7 @@ def enclose(
 
 
 def _balls(name: str, values: ArrayLike, size: int) -> Balls:
-    array = as_numbers(name, values)
-    if array.shape != (size,) or np.iscomplexobj(array):
-        raise ParameterError(name, f"shape {array.shape} of {array.dtype} is not ({size},): give {size} real numbers")
-    return tuple(arb(x) for x in array.astype(np.float64).tolist())
+    return tuple(arb(x) for x in shaped(name, values, (size,)).tolist())
 
 
 def _bounds(distance: arb) -> tuple[float, float]:

@@ -96,15 +96,12 @@ def exact_state(start: Start, t_ns: int, bits: int) -> tuple[Balls, Balls]:
         if kind is Kind.SYMMETRIC:
             return _symmetric_top(start, attitude, t)
         polhode = _EnclosedPolhode.of(start, kind)
-        motion = _separatrix_at if kind is Kind.SEPARATRIX else _circulation_at
-        turn, momentum = motion(polhode, t)
+        turn, momentum = (
+            _separatrix_at(polhode, t) if kind is Kind.SEPARATRIX else _EnclosedCirculation.of(polhode).at(t)
+        )
         turned = (*polhode.to_body(turn[:3]), turn[3])
         rates = tuple(e * p for e, p in zip(polhode.e, momentum, strict=True))
         return product(attitude, turned), polhode.to_body(rates)
-
-
-def _circulation_at(polhode: _EnclosedPolhode, t: arb) -> tuple[Balls, Balls]:
-    return _EnclosedCirculation.of(polhode).at(t)
 
 
 def _symmetric_top(start: Start, attitude: Balls, t: arb) -> tuple[Balls, Balls]:

@@ -18,11 +18,10 @@ from __future__ import annotations
 
 import enum
 
-import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody
@@ -75,10 +74,11 @@ class Start:
         InputError
             If a shape is another, a number is not finite, no body has the inertia, or the quaternion is zero.
         """
-        attitude = _rationals("attitude_xyzw", attitude_xyzw, (4,))
+        attitude = _exact(real_array("attitude_xyzw", attitude_xyzw, (4,)))
         if not any(attitude):
             raise InputError("attitude_xyzw: a zero quaternion is no attitude: give one of unit norm")
-        return cls(_tensor(inertia), attitude, _rationals("body_rate", body_rate, (3,)))
+        tensor = fmpq_mat(3, 3, list(_exact(RigidBody(inertia).inertia)))
+        return cls(tensor, attitude, _exact(real_array("body_rate", body_rate, (3,))))
 
     @property
     def momentum(self) -> Rationals:
@@ -134,19 +134,6 @@ class Start:
 
 def _dot(a: Rationals, b: Rationals) -> fmpq:
     return sum((x * y for x, y in zip(a, b, strict=True)), fmpq(0))
-
-
-def _tensor(inertia: ArrayLike) -> fmpq_mat:
-    """The inertia of a body, exactly."""
-    return fmpq_mat(3, 3, list(_exact(RigidBody(inertia).inertia)))
-
-
-def _rationals(name: str, value: ArrayLike, shape: tuple[int]) -> Rationals:
-    array = as_numbers(name, value)
-    is_real = array.shape == shape and not np.iscomplexobj(array)
-    if not (is_real and np.isfinite(array := array.astype(np.float64)).all()):
-        raise InputError(f"{name}: {array.tolist()!s:.80} is not finite numbers of the right shape")
-    return _exact(array)
 
 
 def _exact(array: Array) -> Rationals:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
@@ -14,7 +15,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, plain
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import NS, Value, Vector, require_frame_name
+from lie_rigid_body.foundation.parameters import NS, Given, Value, Vector, require_frame_name
 from lie_rigid_body.foundation.wording import call_repr, numerals, shown
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
@@ -119,7 +120,7 @@ class Scenario:
         self._validate()
 
     @classmethod
-    def from_parameters(cls, given: Mapping[str, object] | None = None) -> Scenario:
+    def from_parameters(cls, given: Given | None = None) -> Scenario:
         """Make the scenario of a mapping of parameters, with values as a YAML file or a ROS parameter gives them.
 
         Raises
@@ -471,4 +472,4 @@ def _require_normal(body: RigidBody, starts: State) -> None:
 
 def _are_normal(values: Array) -> Booleans:
     """Which positive numbers are normal in double precision: finite, and not so small that they lose digits."""
-    return np.isfinite(values) & (values >= np.finfo(np.float64).tiny)
+    return np.isfinite(values) & (values >= sys.float_info.min)

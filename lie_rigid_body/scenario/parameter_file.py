@@ -16,6 +16,7 @@ from typing import Any, Final, TypeAlias
 import yaml
 
 from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import Given
 from lie_rigid_body.foundation.wording import program, shown, suggestion
 from lie_rigid_body.system.bounded_input import BoundedLoader, load_yaml, read_text
 
@@ -74,7 +75,7 @@ def read_parameter_file(path: str | Path, node_name: str = NODE_NAME, namespace:
     return dict(item for values in meant for item in _flatten(values))
 
 
-def read_sections(path: str | Path, *, pipes: bool = True) -> list[tuple[str, Mapping[str, object]]]:
+def read_sections(path: str | Path, *, pipes: bool = True) -> list[tuple[str, Given]]:
     """The sections of a ROS 2 parameter file, whichever nodes they mean.
 
     Parameters
@@ -113,7 +114,7 @@ def read_yaml(path: str | Path, *, pipes: bool = True) -> Any:
     return load_yaml(read_text(path, MAX_FILE_BYTES, pipes=pipes), str(path), _Loader)
 
 
-def assignments(parameters: Mapping[str, object]) -> list[str]:
+def assignments(parameters: Given) -> list[str]:
     """Words of a command line that give parameters: ``-p`` and an assignment each, which `parse_assignment` reads."""
     words = []
     for name, value in parameters.items():
@@ -122,7 +123,7 @@ def assignments(parameters: Mapping[str, object]) -> list[str]:
     return words
 
 
-def recording(bag: str, duration_s: float, parameters: Mapping[str, object], scenario: str | None = None) -> str:
+def recording(bag: str, duration_s: float, parameters: Given, scenario: str | None = None) -> str:
     """The command, for a shell, that records a run of a scenario with parameters over its own."""
     named = ["--scenario", scenario] if scenario else []
     return shlex.join(
@@ -267,7 +268,7 @@ def _plain(text: str) -> object:
     if integer := _INTEGER.fullmatch(text):
         return _integer(*integer.groups())
     if _FLOAT.fullmatch(text):
-        return float(text.replace(".i", "i").replace(".I", "I").replace(".n", "n").replace(".N", "N"))
+        return float(re.sub(r"\.(?=[inIN])", "", text))
     return text
 
 
@@ -312,7 +313,7 @@ _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
 _Loader.add_constructor("tag:yaml.org,2002:python/tuple", _construct_list)
 
 
-def _sections(content: Mapping[str, object], name: str, source: str) -> Iterator[tuple[str, Mapping[str, object]]]:
+def _sections(content: Given, name: str, source: str) -> Iterator[tuple[str, Given]]:
     """Every ``ros__parameters`` mapping, with the node name or pattern it stands under."""
     for key, value in content.items():
         if key == PARAMETERS_KEY:
@@ -334,7 +335,7 @@ def _means(pattern: str, full_name: str) -> bool:
     return re.fullmatch(expression, full_name) is not None
 
 
-def _flatten(values: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
+def _flatten(values: Given, prefix: str = "") -> Iterator[tuple[str, object]]:
     for name, value in values.items():
         if isinstance(value, Mapping):
             yield from _flatten(value, f"{prefix}{name}.")

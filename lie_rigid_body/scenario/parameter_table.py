@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Final
 
-from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, Given, Parameter, Value, read_table
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.kicks import KICK_NUMBERS, MAX_KICKS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
@@ -180,7 +179,7 @@ PARAMETERS: Final = tuple(BY_NAME.values())
 """All parameters, in the order of `BY_NAME`."""
 
 
-def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:
+def read_parameters(given: Given) -> dict[str, Value]:
     """Every parameter's value: the given ones in their own types, those of their grade, the rest at their defaults.
 
     Parameters

@@ -86,7 +86,7 @@ def density(found: Allan) -> Density:
     """
 
     def model(tau_s: Array, white: float, walk: float) -> Array:
-        return np.asarray(np.logaddexp(white - np.log(tau_s), walk + np.log(tau_s / 3.0)))
+        return np.logaddexp(white - np.log(tau_s), walk + np.log(tau_s / 3.0))
 
     white = np.log(found.variance[0] * found.tau_s[0])
     walk = white - 2.0 * np.log(found.tau_s[-1])

@@ -40,7 +40,7 @@ from lie_rigid_body.sensors.sensor import (
     VectorMeasurement,
     diagonal,
 )
-from lie_rigid_body.sensors.signal import Signal
+from lie_rigid_body.sensors.signal import Signals
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 
 MAX_ROTATION_PER_READING: Final = 3.0
@@ -267,7 +267,7 @@ class Imu(Instrument):
         if self._integrates:
             self._rate = IntegratedRate(before_ns, state())
 
-    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+    def signals(self, times_ns: Integers, states: State, first: int) -> Signals:
         """Readings before their converters; see `Instrument.measure`."""
         rate = self._rate.over(times_ns, states) if self._integrates else states.body_rate
         interval = 1.0 / self._model.rate if self._integrates else 0.0
@@ -294,10 +294,6 @@ def _fixed(model: ImuModel) -> dict[str, Vector]:
         "angular_velocity_covariance": diagonal(model.gyro.variance(model.rate)),
         "linear_acceleration_covariance": diagonal(model.accelerometer.variance(model.rate)),
     }
-
-
-def _fixed_of_bias(model: ImuModel) -> dict[str, Vector]:
-    return _UNORIENTED
 
 
 _UNORIENTED: Final[dict[str, Vector]] = {
@@ -333,7 +329,7 @@ IMU_SENSOR: Final = Sensor(
                 Field("accelerometer_bias", "linear_acceleration", "m/s²", "accelerometer bias"),
             ),
             "imu_frame",
-            _fixed_of_bias,
+            lambda _: _UNORIENTED,
         ),
     ),
     parameters=(

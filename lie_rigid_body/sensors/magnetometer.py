@@ -33,7 +33,7 @@ from lie_rigid_body.sensors.sensor import (
     VectorMeasurement,
     diagonal,
 )
-from lie_rigid_body.sensors.signal import Converter, Signal
+from lie_rigid_body.sensors.signal import Converter, Signal, Signals
 from lie_rigid_body.sensors.triad import TriadFaultInjector, TriadFaults, linear_errors
 
 MAX_FIELD_T: Final = 1e3
@@ -175,7 +175,7 @@ class Magnetometer(Instrument):
         )
         self._faulty = None if model.faults is None else TriadFaultInjector(model.faults, model.rate, model.converter)
 
-    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+    def signals(self, times_ns: Integers, states: State, first: int) -> Signals:
         """Readings before the converter; see `Instrument.measure`."""
         model = self._model
         count = len(times_ns)

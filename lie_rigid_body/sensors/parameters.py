@@ -15,10 +15,12 @@ from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import Parameter, Value, Vector
+from lie_rigid_body.foundation.parameters import Given, Parameter, Value, Vector
 from lie_rigid_body.foundation.wording import numerals
 from lie_rigid_body.motion.harmonics import HARMONICS, STEPS_PER_HZ
 
+Parameters: TypeAlias = tuple[Parameter, ...]
+"""Parameters in the order in which they are shown."""
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
 
@@ -98,7 +100,7 @@ def require_band(name: str, band: Vector) -> None:
         raise ParameterError(name, f"{numerals(band)} Hz is no band: give the lowest frequency first")
 
 
-def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
+def triad_parameters(sensor: str, unit: str) -> Parameters:
     """The parameters of a triad's errors; ``unit`` is the unit of a reading."""
     name = sensor.capitalize()
     return (
@@ -119,7 +121,7 @@ def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
     )
 
 
-def episode_parameters(name: str, what: str, duration: float) -> tuple[Parameter, ...]:
+def episode_parameters(name: str, what: str, duration: float) -> Parameters:
     """Parameters of the interval and the duration of episodes; ``what`` names the episodes, with a capital."""
     return (
         not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none."),
@@ -127,7 +129,7 @@ def episode_parameters(name: str, what: str, duration: float) -> tuple[Parameter
     )
 
 
-def delivery_parameters(sensor: str, title: str) -> tuple[Parameter, ...]:
+def delivery_parameters(sensor: str, title: str) -> Parameters:
     """Parameters of how the readings of a sensor arrive."""
     name = f"{title[:1].upper()}{title[1:]}"
     return (
@@ -161,7 +163,7 @@ def delivery_parameters(sensor: str, title: str) -> tuple[Parameter, ...]:
     )
 
 
-def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float, level: float) -> tuple[Parameter, ...]:
+def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float, level: float) -> Parameters:
     """Parameters of the faults of a sensor's axes; sizes are defaults for when a fault is switched on."""
     name = sensor.capitalize()
     return (
@@ -296,7 +298,7 @@ GRADES: Final[Mapping[str, Mapping[str, Value]]] = MappingProxyType(
 """The error parameters that each grade sets; the others stay at their defaults, without error."""
 
 
-def graded(given: Mapping[str, object]) -> dict[str, object]:
+def graded(given: Given) -> dict[str, object]:
     """Add the errors of a grade to the parameters that are given, which override them.
 
     Parameters

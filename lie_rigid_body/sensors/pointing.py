@@ -24,7 +24,7 @@ from lie_rigid_body.sensors.sensor import (
     Topic,
     VectorMeasurement,
 )
-from lie_rigid_body.sensors.signal import Signal
+from lie_rigid_body.sensors.signal import Signal, Signals
 
 
 @short_dataclass
@@ -141,7 +141,7 @@ class AttitudeSensor(Instrument):
         self._boresight = np.array(model.boresight)
         self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
 
-    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+    def signals(self, times_ns: Integers, states: State, first: int) -> Signals:
         """Readings; see `Instrument.measure`."""
         attitude = states.attitude_xyzw
         across = self._model.cross_boresight_noise
@@ -200,7 +200,7 @@ class SunSensor(Instrument):
         self._sun = np.array(model.sun)
         self._noise = WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise)
 
-    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+    def signals(self, times_ns: Integers, states: State, first: int) -> Signals:
         """Readings; see `Instrument.measure`."""
         sun = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._sun)
         if not self._noise.sigma:

@@ -12,12 +12,12 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import Parameter, Vector
+from lie_rigid_body.foundation.parameters import Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.sensors.fault import FaultModel, TransportFaults
-from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
-from lie_rigid_body.sensors.signal import Signal
+from lie_rigid_body.sensors.parameters import Parameters, Values, delivery_parameters, values_of
+from lie_rigid_body.sensors.signal import Signals
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -57,7 +57,7 @@ class Instrument(ABC):
     __copy__ = copy.deepcopy  # it goes on by itself
 
     @abstractmethod
-    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+    def signals(self, times_ns: Integers, states: State, first: int) -> Signals:
         """Readings before their converters, by the names of their arrays; see `measure`."""
 
     def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:  # noqa: B027 (most have nothing to do)
@@ -317,9 +317,9 @@ class Sensor:
     model: type[SensorModel]
     make: Callable[[Any, Carrier], Instrument]
     topics: tuple[Topic, ...]
-    parameters: tuple[Parameter, ...]
+    parameters: Parameters
     streams: Mapping[str, int]
-    faults: tuple[Parameter, ...] = ()
+    faults: Parameters = ()
     attribute: str = ""
     switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
@@ -334,6 +334,6 @@ class Sensor:
         return self.attribute or self.name
 
     @property
-    def all_parameters(self) -> tuple[Parameter, ...]:
+    def all_parameters(self) -> Parameters:
         """Every parameter of this sensor alone: its own, and those of its delivery and of its other faults."""
         return (*self.parameters, *delivery_parameters(self.name, self.title), *self.faults)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -107,3 +107,7 @@ class Signal:
     def read(self) -> Array:
         """The readings, of the shape of the values."""
         return self.values if self.converter is None else self.converter.read(self.values)
+
+
+Signals: TypeAlias = dict[str, Signal]
+"""The quantities of an instrument, by the names of their arrays."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Final, cast
+from typing import Any, Final
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import Parameter, Value, require_frame_name
+from lie_rigid_body.foundation.parameters import Parameter, require_frame_name
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.fault import STREAMS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
-from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches, seed
+from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, Values, fault_switches, seed
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 
@@ -89,7 +88,7 @@ class Sensors:
     models: tuple[tuple[str, SensorModel], ...] = ()
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Value]) -> Sensors:
+    def from_values(cls, values: Values) -> Sensors:
         """Make the sensors of all their parameters, each in its own type, validated as a whole.
 
         Raises
@@ -98,7 +97,7 @@ class Sensors:
             Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
         """
         for name in frame_parameters() & set(values):
-            require_frame_name(name, cast(str, values[name]))
+            require_frame_name(name, values[name])
         # refuse also what is off
         models = [(name, sensor.model.from_values(name, values)) for name, sensor in SENSORS.items()]
         return cls(tuple((name, model) for name, model in models if _is_on(SENSORS[name].switch, values)))
@@ -129,14 +128,14 @@ def frame_parameters() -> set[str]:
     return {topic.frame for sensor in SENSORS.values() for topic in sensor.topics}
 
 
-def _is_on(name: str, values: Mapping[str, Value]) -> bool:
-    rate = cast(float, values[name])
+def _is_on(name: str, values: Values) -> bool:
+    rate: float = values[name]
     if 0.0 < rate < MIN_RATE:
         raise ParameterError(name, f"{rate:g} is below {MIN_RATE:g} samples per second: give more, or 0 for none")
     return rate > 0.0
 
 
-def without_effect(values: Mapping[str, Value]) -> list[str]:
+def without_effect(values: Values) -> list[str]:
     """Sentences, each without a full stop, about what is asked of sensors and faults that are off.
 
     A grade asks for nothing: it is that of whichever sensors there are.

@@ -20,12 +20,13 @@ from typing import Any, Final, NamedTuple, TypeAlias
 
 from lie_rigid_body.arithmetic.double_double import DoubleDouble
 from lie_rigid_body.arithmetic.elementary import sine_cosine
-from lie_rigid_body.arithmetic.numbers import Number, Quadruple, guarded, magnitude, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, guarded, magnitude, sqrt
 from lie_rigid_body.lie.quaternion import product
 from lie_rigid_body.motion.closed_form.jacobi import EllipticValues, PeriodicPrecession
 
 Three: TypeAlias = tuple[float, float, float]
 Four: TypeAlias = tuple[float, float, float, float]
+Rows: TypeAlias = tuple[tuple[float, ...], ...]
 
 Sample: TypeAlias = tuple[Number, Number, Number, Number, Number, Number, Number]
 """A state: attitude x y z w and body rate, rad/s."""
@@ -45,7 +46,7 @@ class AttitudeConstants(NamedTuple):
         N₁ and N₂, in proportion.
     directions : 3 floats
         N₁, ±N₂, N₃.
-    attitude : 4 columns of 4 floats
+    attitude : 4 rows of 4 floats
         The matrix of p ↦ W ⊗ p ⊗ conj(F).
     rates : 3 rows of 3 floats
         The frame's axes in the body frame times the amplitudes of the rate, rad/s.
@@ -54,13 +55,13 @@ class AttitudeConstants(NamedTuple):
     sense: float
     transverse: tuple[float, float]
     directions: Three
-    attitude: tuple[Four, Four, Four, Four]
+    attitude: Rows
     rates: tuple[Three, Three, Three]
 
     def sample(self, values: EllipticValues, half_turn: DoubleDouble) -> Sample:
         """The state from the elliptic functions, and ½ψ in turns without ½(Θ − φ) or its part that the values give."""
-        turned = untilted(self.sense, self.transverse, self.directions, values, *sine_cosine(half_turn))
-        x, y, z, w = _applied(self.attitude, turned)
+        p, q, r, s = untilted(self.sense, self.transverse, self.directions, values, *sine_cosine(half_turn))
+        x, y, z, w = ((a * p + b * q) + (c * r + d * s) for a, b, c, d in self.attitude)
         size = 1.0 / sqrt((x * x + y * y) + (z * z + w * w))
         # ω = Σ axis · amplitude · (cn, sn, dn)
         a, b, c = (row[0] * values.cn + row[1] * values.sn + row[2] * values.dn for row in self.rates)
@@ -103,25 +104,12 @@ def untilted(
     return c * n2 + s * n1, s * n2 - c * n1, s * upright, c * upright
 
 
-def attitude_map(world_xyzw: Four, frame_xyzw: Four) -> tuple[Four, Four, Four, Four]:
-    """The columns of the matrix of p ↦ W ⊗ p ⊗ conj(F), from W and conj(F)."""
+def attitude_map(world_xyzw: Four, frame_xyzw: Four) -> Rows:
+    """The rows of the matrix of p ↦ W ⊗ p ⊗ conj(F), from W and conj(F)."""
     x, y, z, w = world_xyzw
     # W ⊗ i, W ⊗ j, W ⊗ k and W
     columns = ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z), world_xyzw)
-    a, b, c, d = (product(column, frame_xyzw) for column in columns)
-    return a, b, c, d
-
-
-def _applied(columns: tuple[Four, Four, Four, Four], p: Quadruple) -> Quadruple:
-    """A 4×4 matrix, given by its columns, times a quadruple."""
-    a, b, c, d = columns
-    x, y, z, w = p
-    return (
-        (a[0] * x + b[0] * y) + (c[0] * z + d[0] * w),
-        (a[1] * x + b[1] * y) + (c[1] * z + d[1] * w),
-        (a[2] * x + b[2] * y) + (c[2] * z + d[2] * w),
-        (a[3] * x + b[3] * y) + (c[3] * z + d[3] * w),
-    )
+    return tuple(zip(*(product(column, frame_xyzw) for column in columns), strict=True))
 
 
 def world_rotation(

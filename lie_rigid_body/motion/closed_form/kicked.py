@@ -9,13 +9,13 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import dot, working_precision
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.lie.quaternion import product
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.rotation import DIGITS, Rotation, rotation_of
 from lie_rigid_body.motion.closed_form.solution import ClosedForm
 from lie_rigid_body.motion.kicks import KickedMotion, Kicks
-from lie_rigid_body.motion.motion import exact_inertia
+from lie_rigid_body.motion.motion import Samples, exact_inertia
 
 KEPT_STARTS: Final = 1000
 """Arcs from one start that is kept to the next: no question costs more than so many arcs."""
@@ -47,7 +47,7 @@ class KickedClosedForm(KickedMotion):
         self._starts = dict([self._latest])
         self._motions = {0: ClosedForm(body, start)}
 
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+    def _samples(self, t_ns: Integers) -> Samples:
         return self._by_arcs(t_ns, self._motion_of)
 
     def _motion_of(self, arc: int) -> ClosedForm:

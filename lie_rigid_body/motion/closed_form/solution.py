@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arithmetic.double_double import from_integer, from_integers
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.constants import motion_of
-from lie_rigid_body.motion.motion import require_one, states_at
+from lie_rigid_body.motion.motion import Samples, require_one, states_at
 
 MAX_SAMPLES_IN_FLOATS: Final = 16
 """Largest number of samples computed one by one, in floats, which is faster than on arrays."""
@@ -78,7 +78,7 @@ class ClosedForm:
         """
         return states_at(self._start, t_ns, self._samples)
 
-    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+    def _samples(self, t_ns: Integers) -> Samples:
         """Attitudes and body rates at N times, shapes (N, 4) and (N, 3)."""
         attitude = np.empty((len(t_ns), 4))
         rate = np.empty((len(t_ns), 3))
