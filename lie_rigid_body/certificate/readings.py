@@ -28,7 +28,6 @@ REPLAY_BLOCK: Final = 8192
 """Largest number of readings replayed at once."""
 _KEPT_BLOCKS: Final = 4
 """Number of replayed blocks kept for messages out of order."""
-_CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
 @short_dataclass
@@ -150,4 +149,4 @@ class Replay:
         largest = self._largest.with_more(name, sizes)
         turn = 1.0 / signal.interval if signal.interval else 0.0
         uncertainty = self._relative_error * (largest + turn)
-        return Expected(values, uncertainty[:, np.newaxis], signal.converter or _CONTINUOUS)
+        return Expected(values, uncertainty[:, np.newaxis], signal.converter)

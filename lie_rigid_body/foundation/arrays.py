@@ -24,6 +24,9 @@ Integers: TypeAlias = NDArray[np.int64]
 Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
 
+Sizes: TypeAlias = tuple[int, ...]
+"""Lengths of axes."""
+
 Shape: TypeAlias = "tuple[int | str | EllipsisType, ...]"
 """Lengths of the axes of an array, as `shaped` takes them."""
 
@@ -139,7 +142,7 @@ def _misfit(given: NDArray[Any], shape: Shape, *, is_real: bool) -> str:
     return f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}"
 
 
-def _fits(given: tuple[int, ...], shape: Shape) -> bool:
+def _fits(given: Sizes, shape: Shape) -> bool:
     if shape[:1] == (...,):
         shape = shape[1:]
         given = given[max(0, len(given) - len(shape)) :]

@@ -15,7 +15,8 @@ from lie_rigid_body.foundation.wording import shown, suggestion
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "string_array", "bool"]
 Vector: TypeAlias = tuple[float, ...]
-Value: TypeAlias = float | int | str | bool | Vector | tuple[str, ...]
+Names: TypeAlias = tuple[str, ...]
+Value: TypeAlias = float | int | str | bool | Vector | Names
 Given: TypeAlias = Mapping[str, object]
 """Values by the names under which they are given, most often those of parameters."""
 
@@ -98,7 +99,7 @@ class Parameter:
     lengths: Sequence[int] = ()
     minimum: float = -math.inf
     maximum: float = math.inf
-    choices: tuple[str, ...] = ()
+    choices: Names = ()
     scope: Literal["scenario", "node"] = "scenario"
 
     def read(self, value: object) -> Value:

@@ -296,7 +296,7 @@ def _as_generators(generators: ArrayLike) -> Matrix:
     if not np.iscomplexobj(generators):
         T = T.real.copy()
     if not np.all(np.isfinite(T)):
-        worst = int(np.argmin(np.isfinite(T).all(axis=(1, 2))))
+        worst = np.argmin(np.isfinite(T).all(axis=(1, 2)))
         raise InputError(f"T{worst} has an entry that is not a finite number: give finite generators")
     return T
 
@@ -320,12 +320,12 @@ def _refuse_sizes(largest: Array) -> None:
     """Refuse a generator that is zero, or whose products leave the range of a double."""
     if np.any(largest == 0.0):
         raise InputError(
-            f"T{int(np.argmin(largest))} is zero: leave it out; for an algebra with a centre give other matrices than "
+            f"T{(np.argmin(largest))} is zero: leave it out; for an algebra with a centre give other matrices than "
             "the adjoint ones"
         )
     beyond = (largest > SIZE_LIMIT) | (largest < 1.0 / SIZE_LIMIT)
     if np.any(beyond):
-        worst = int(np.argmax(beyond))
+        worst = np.argmax(beyond)
         raise InputError(
             f"the largest entry of T{worst} is {largest[worst]:.3g} (limits {1.0 / SIZE_LIMIT:g} and {SIZE_LIMIT:g}): "
             "rescale it, which changes the unit of its coordinate alone"

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from scipy.linalg import schur
 
-from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.arrays import Array, Sizes, whole_number
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
 from lie_rigid_body.groups.elements import Elements, multiple_until
@@ -100,14 +100,13 @@ class CompactElements(Elements):
     def distance(self, A: Matrix) -> Array:
         """The larger of the Frobenius norm of A†A − 1, eqs. (4) and (5), and |det A − 1|, eq. (6)."""
         off = frobenius(self.inverse(A) @ A - np.eye(self._n))
-        with np.errstate(divide="ignore"):  # the logarithm of a determinant of 0
-            return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
+        return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
 
     def inverse(self, A: Matrix) -> Matrix:
         """The conjugate transpose."""
         return np.swapaxes(A.conj(), -1, -2)
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def random(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         """Elements by the Haar measure: orthogonalised normal matrices (F. Mezzadri, Notices AMS 54 (2007) 592)."""
         Q, R = np.linalg.qr(self._normal(rng, (*shape, self._n, self._n)))
         phases = np.diagonal(R, axis1=-2, axis2=-1)
@@ -124,7 +123,7 @@ class CompactElements(Elements):
         """The logarithm of one element, shape (n, n), in the basis of its Schur form."""
 
     @abstractmethod
-    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def _normal(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         """Matrices with independent standard normal entries."""
 
 
@@ -147,11 +146,11 @@ class OrthogonalElements(CompactElements):
         diagonal = np.diag(T)
         angles = np.where(below == 0.0, 0.0, np.arctan2(below - np.diag(T, 1), diagonal[:-1] + diagonal[1:]))
         alone = (np.append(below, 0.0) == 0.0) & (np.append(0.0, below) == 0.0)
-        _refuse_half_turn(np.pi if (diagonal[alone] < 0.0).any() else float(np.abs(angles).max()))
+        _refuse_half_turn(np.pi if (diagonal[alone] < 0.0).any() else (np.abs(angles).max()))
         L = np.diag(angles, -1)
         return np.asarray(Z @ (L - L.T) @ Z.T)
 
-    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def _normal(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         return rng.standard_normal(shape)
 
 
@@ -202,10 +201,10 @@ class SpecialUnitaryElements(CompactElements):
         """
         T, Z = schur(A, output="complex")
         angles = np.angle(np.diagonal(T))
-        turns = round(float(angles.sum()) / (2.0 * np.pi))
+        turns = round((angles.sum()) / (2.0 * np.pi))
         order = np.argsort(angles)
         angles[order[len(order) - turns :] if turns > 0 else order[:-turns]] -= np.sign(turns) * 2.0 * np.pi
-        spread = float(np.ptp(angles))
+        spread = np.ptp(angles)
         if 2.0 * np.pi - spread <= TIE_MARGIN:
             raise InputError(
                 f"no logarithm is singled out: the eigenvalues' angles spread over {spread:.15g} rad "
@@ -218,7 +217,7 @@ class SpecialUnitaryElements(CompactElements):
         angles = np.linalg.eigvalsh(-1j * X)
         return multiple_until(2.0 * np.pi, angles[..., -1] - angles[..., 0], X)
 
-    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def _normal(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
 
 
@@ -243,9 +242,9 @@ class PhaseElements(Elements):
     def log(self, A: Matrix) -> Matrix:
         """The angle, within ±π, times i."""
         angle = np.angle(A)
-        _refuse_half_turn(float(np.abs(angle).max(initial=0.0)))
+        _refuse_half_turn(np.abs(angle).max(initial=0.0))
         return 1j * angle
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def random(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         """Uniform phases."""
         return np.exp(1j * rng.uniform(-np.pi, np.pi, (*shape, 1, 1)))

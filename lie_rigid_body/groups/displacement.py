@@ -112,7 +112,7 @@ def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None =
     sign = np.sign(np.linalg.det(left @ right))
     gap = sigma[-2] + sign * sigma[-1]
     # lengths are known to the round-off of the coordinates
-    round_off = _ROUND_OFF * sum(float(np.abs(p).max() / np.abs(q).max()) for p, q in ((x, body), (y, world)))
+    round_off = _ROUND_OFF * sum((np.abs(p).max() / np.abs(q).max()) for p, q in ((x, body), (y, world)))
     if not gap > round_off * sigma[0]:
         raise InputError(
             "the rotation is not determined: the points span too few dimensions about their centre, or are a mirror "

@@ -124,15 +124,12 @@ def lift(R: ArrayLike) -> Complex:
         raise InputError(f"a path needs shape (N, 3, 3) with N ≥ 1, given {R.shape}: stack its rotations")
     q = to_quaternion(preimages(R)[0])
     aligned = np.einsum("ki,ki->k", q[1:], q[:-1])
-    _refuse_coarse(2.0 * np.arccos(np.minimum(np.abs(aligned), 1.0)))
-    signs = np.cumprod(np.concatenate([[1.0], np.where(aligned < 0.0, -1.0, 1.0)]))
-    return from_quaternion(q * signs[:, np.newaxis])
-
-
-def _refuse_coarse(steps: Array) -> None:
+    steps = 2.0 * np.arccos(np.minimum(np.abs(aligned), 1.0))
     worst = np.max(steps, initial=0.0)
     if worst > STEP_LIMIT + ELEMENT_TOLERANCE:
-        k = int(np.argmax(steps))
+        k = np.argmax(steps)
         raise InputError(
             f"the path turns by {worst:.3g} rad from point {k} to {k + 1} (limit π/2): sample it more finely"
         )
+    signs = np.cumprod(np.concatenate([[1.0], np.where(aligned < 0.0, -1.0, 1.0)]))
+    return from_quaternion(q * signs[:, np.newaxis])

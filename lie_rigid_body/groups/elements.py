@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, Sizes
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import SPAN_TOLERANCE, MatrixLieAlgebra, frobenius
@@ -69,7 +69,7 @@ class Elements(ABC):
         return multiple_until(np.pi, np.abs(np.linalg.eigvals(X).imag).max(axis=-1), X)
 
     @abstractmethod
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def random(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         """Independent random elements, shape (*shape, n, n)."""
 
 
@@ -99,7 +99,7 @@ def measured(A: Matrix, distance: Callable[[Matrix], Array]) -> Array:
         `Elements.distance` or `Elements.certain_distance`.
     """
     finite = np.isfinite(A).all(axis=(-2, -1))
-    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no element
+    with np.errstate(all="ignore"):  # what overflows, or has the determinant 0, is no element
         return np.where(finite, distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)
 
 
@@ -176,7 +176,7 @@ class GeneratedElements(Elements):
             )
         return logs
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def random(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         """Exponentials of standard normal coordinates."""
         return exponential.exp(self._algebra.hat(rng.standard_normal((*shape, self._algebra.dimension))))
 
@@ -207,4 +207,4 @@ def _principal_or_nan(A: Matrix) -> Matrix:
     except ValueError:  # NumPy's LinAlgError, or SciPy's where powers of the matrix overflow
         return nothing
     # far from normal matrices can lose all digits on the way
-    return L if np.abs(back - A).max() <= SPAN_TOLERANCE * max(1.0, float(np.abs(A).max())) else nothing
+    return L if np.abs(back - A).max() <= SPAN_TOLERANCE * max(1.0, (np.abs(A).max())) else nothing

@@ -28,8 +28,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm, logm
 
-from lie_rigid_body.foundation.arrays import Array
-
 Matrix: TypeAlias = NDArray[Any]
 """Real or complex matrices, shape (..., n, n)."""
 
@@ -98,11 +96,6 @@ def phi_inverse(Z: Matrix) -> Matrix:
         return np.full_like(Z, np.inf)
 
 
-def distance_from_identity(A: Matrix) -> Array:
-    """Frobenius norm of A − 1, shape (...)."""
-    return np.linalg.norm(A - np.eye(A.shape[-1]), axis=(-2, -1))
-
-
 def log_near_identity(A: Matrix) -> Matrix:
     """The logarithm of matrices within `LOGARITHM_RADIUS` of the identity: log A = 2 artanh((A − 1)(A + 1)⁻¹).
 
@@ -139,7 +132,7 @@ def batched_log(A: Matrix, far: Callable[[Matrix], Matrix]) -> Matrix:
     ndarray, shape (..., n, n)
     """
     flat = A.reshape(-1, *A.shape[-2:])
-    near = distance_from_identity(flat) <= LOGARITHM_RADIUS
+    near = np.linalg.norm(flat - np.eye(A.shape[-1]), axis=(-2, -1)) <= LOGARITHM_RADIUS
     result = np.empty_like(flat)
     result[near] = log_near_identity(flat[near])
     for k in np.flatnonzero(~near):

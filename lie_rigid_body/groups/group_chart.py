@@ -45,7 +45,8 @@ class ChartReach(NamedTuple):
     regular: Array
 
 
-@np.errstate(over="ignore")  # the multiples of a direction of nearly 0 are infinite
+# the multiples of a direction of nearly 0 are infinite, and what leaves double precision is refused
+@np.errstate(over="ignore", invalid="ignore")
 def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     """The reach of the chart A₀ exp(βᵃTᵃ), eq. (38), along a direction: where its coordinates end.
 
@@ -64,10 +65,9 @@ def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     X = of_kind(group, MatrixLieGroup).hat(direction)
     ad = group.ad(direction)
     eigenvalues = np.linalg.eigvals(ad)
-    with np.errstate(over="ignore", invalid="ignore"):  # what leaves double precision is refused below
-        apart = np.abs(eigenvalues[..., :, np.newaxis] - eigenvalues[..., np.newaxis, :])
-        near = apart <= _SPLIT * np.abs(eigenvalues).max(axis=-1, initial=0.0)[..., np.newaxis, np.newaxis]
-        means = (near @ eigenvalues[..., np.newaxis])[..., 0] / near.sum(axis=-1)
+    apart = np.abs(eigenvalues[..., :, np.newaxis] - eigenvalues[..., np.newaxis, :])
+    near = apart <= _SPLIT * np.abs(eigenvalues).max(axis=-1, initial=0.0)[..., np.newaxis, np.newaxis]
+    means = (near @ eigenvalues[..., np.newaxis])[..., 0] / near.sum(axis=-1)
     both = np.stack([eigenvalues, means])
     round_off = _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
     turn = np.where(np.abs(both.real) <= round_off, np.abs(both.imag), 0.0).max(axis=(0, -1))

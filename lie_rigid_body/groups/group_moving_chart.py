@@ -226,9 +226,9 @@ def recentred(group: MatrixLieGroup, centre: Matrix, coordinates: Array) -> Matr
 
 def _require_reach(ad: Array) -> None:
     """Refuse eigenvalues of ad_β beyond `MAX_CHART_ROTATION`; translations have none but 0."""
-    if float(np.abs(ad).max()) * len(ad) < MAX_CHART_ROTATION:
+    if (np.abs(ad).max()) * len(ad) < MAX_CHART_ROTATION:
         return  # a bound of every eigenvalue
-    turn = float(np.abs(np.linalg.eigvals(ad)).max())
+    turn = np.abs(np.linalg.eigvals(ad)).max()
     if not turn <= MAX_CHART_ROTATION:
         raise InputError(
             f"within a step the chart turns by {turn:.3g} rad (limit {MAX_CHART_ROTATION:.3g} rad): lower max_step"

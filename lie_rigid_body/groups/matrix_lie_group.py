@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped, whole_number
+from lie_rigid_body.foundation.arrays import Array, Sizes, real_array, require_finite, shaped, whole_number
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import MAX_LINE, shortened
 from lie_rigid_body.groups import exponential
@@ -219,7 +219,7 @@ class MatrixLieGroup(MatrixLieAlgebra):
         require_finite(f"matrices of {self.name}", A := self.as_matrices(A))
         return A
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Matrix:
+    def random(self, rng: np.random.Generator, shape: Sizes = ()) -> Matrix:
         """Independent random elements, shape `shape` + (n, n).
 
         They are distributed by the Haar measure for SO(n), SU(n), U(1) and their products. For a group from generators

@@ -131,7 +131,7 @@ def eigenvalues(symmetric: Array) -> Array:
 def _antisymmetric_generators(generators: ArrayLike, n: int) -> Array:
     T = real_array("generators", generators, ("d", n, n))
     gap = np.abs(T + T.swapaxes(-1, -2)).max(axis=(-1, -2))
-    worst = int(np.argmax(gap))
+    worst = np.argmax(gap)
     if gap[worst] > _GENERATOR_ROUND_OFF * np.abs(T).max():
         raise ParameterError(
             "generators",

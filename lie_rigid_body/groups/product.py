@@ -8,7 +8,7 @@ from itertools import accumulate, pairwise, starmap
 import numpy as np
 from scipy.linalg import block_diag
 
-from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.arrays import Array, Sizes, whole_number
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.groups.algebra import MAX_GENERATORS, frobenius
@@ -40,7 +40,8 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
             )
     dtype = np.result_type(*(group.generators.dtype for group in groups))
     d = whole_number("dimension", sum(g.dimension for g in groups), 1, MAX_GENERATORS)
-    T = np.zeros((d, sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
+    n = sum(g.size for g in groups)
+    T = np.zeros((d, n, n), dtype)
     for group, rows, block in zip(groups, _slices(g.dimension for g in groups), _blocks(groups), strict=True):
         T[rows, block, block] = group.generators
     name = " × ".join(g.name for g in groups)
@@ -112,7 +113,7 @@ class ProductElements(Elements):
         """The least multiple of all blocks, shape (...)."""
         return np.asarray(np.min([elements.one_to_one(part) for elements, _, part in self._parts(X)], axis=0))
 
-    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+    def random(self, rng: np.random.Generator, shape: Sizes) -> Matrix:
         """Independent elements of the factors."""
         size = self._factors[-1][1].stop
         dtype = np.complex128 if any(is_complex for *_, is_complex in self._factors) else np.float64

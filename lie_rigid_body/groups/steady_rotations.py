@@ -147,7 +147,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     momentum = lagrangian.momenta(w)
     f = lagrangian.group.structure_constants
     directions = coadjoint_directions(lagrangian.group, momentum)
-    size = float(np.linalg.norm(momentum) * np.abs(f).max(initial=0.0))
+    size = np.linalg.norm(momentum) * np.abs(f).max(initial=0.0)
     if not np.isfinite(size):
         raise ParameterError("rates", "their squares are beyond double precision, 1.8e308: give smaller numbers")
     tangent, algebra, normal = _orbit(directions, STEADY_TOLERANCE * size)
@@ -157,8 +157,8 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     curvature, scale = _energy_curvature(lagrangian, w, directions)
     signs = _signs(algebra.T @ curvature @ algebra, resolution * scale)
     eigenvalues = np.linalg.eigvals(linear).astype(np.complex128)
-    turning = float(np.linalg.norm(np.tensordot(w, f, axes=1), 2))
-    split = float(np.sqrt(resolution))
+    turning = np.linalg.norm(np.tensordot(w, f, axes=1), 2)
+    split = np.sqrt(resolution)
     stability = _verdict(linear, eigenvalues, signs, split, resolution * turning)
     if np.linalg.norm(off, 2) > split * turning:
         leaving = np.linalg.eigvals(off).astype(np.complex128)
@@ -197,7 +197,7 @@ def _energy_curvature(lagrangian: Lagrangian, rate: Array, directions: Array) ->
     """
     brackets = np.einsum("abd,b->da", lagrangian.group.structure_constants, rate)  # ξ ↦ [ξ, ω]
     kinetic = directions.T @ lagrangian.inverse_metric @ directions
-    return kinetic + symmetrised(directions.T @ brackets), float(np.linalg.norm(kinetic, 2))
+    return kinetic + symmetrised(directions.T @ brackets), (np.linalg.norm(kinetic, 2))
 
 
 def _signs(form: Array, zero: float) -> NDArray[np.int_]:
@@ -224,9 +224,9 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
             "give one at a time"
         )
     momentum = lagrangian.momenta(rate)
-    size = float(np.linalg.norm(rate) * np.linalg.norm(momentum))
-    scale = size * float(np.abs(lagrangian.group.structure_constants).max(initial=0.0))
-    turned = float(np.linalg.norm(ad_star(lagrangian.group, rate, momentum)))
+    size = np.linalg.norm(rate) * np.linalg.norm(momentum)
+    scale = size * (np.abs(lagrangian.group.structure_constants).max(initial=0.0))
+    turned = np.linalg.norm(ad_star(lagrangian.group, rate, momentum))
     if turned > STEADY_TOLERANCE * scale:
         raise InputError(
             f"the rotation at rate {rate.tolist()} is not steady: its momentum turns by {turned / scale:.3g} of "
@@ -243,7 +243,7 @@ def _verdict(linear: Array, eigenvalues: Complex, signs: NDArray[np.int_], split
     """
     if np.all(signs > 0) or np.all(signs < 0):
         return Stability.STABLE
-    size = float(np.linalg.norm(linear, 2))
+    size = np.linalg.norm(linear, 2)
     # the determinant of the linearised motion has the sign of the curvature's: where it is < 0 there is a real pair ±λ
     odd = bool(np.prod(signs) < 0)
     # a growing mode has energy 0: with a semidefinite curvature it would be in the kernel, which does not move

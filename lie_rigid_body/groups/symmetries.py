@@ -89,7 +89,7 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     condition = change + np.swapaxes(change, 0, 2)
     rows = np.swapaxes(condition, 1, 2).reshape(-1, group.dimension)
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
-    scale = float(np.linalg.norm(m, 2)) * float(np.abs(f).max(initial=0.0))
+    scale = (np.linalg.norm(m, 2)) * (np.abs(f).max(initial=0.0))
     conserved = directions[sizes <= real_array("tolerance", tolerance, ()) * scale] / size
     return canonical_basis(np.linalg.qr(conserved.T)[0].T)
 
@@ -113,7 +113,7 @@ def canonical_basis(orthonormal: Array) -> Array:
     basis = np.empty_like(orthonormal)
     for row in range(len(basis)):
         nearness = np.sum(rest * rest, axis=0)
-        nearest = int(np.argmax(nearness >= nearness.max() - _TIE))
+        nearest = np.argmax(nearness >= nearness.max() - _TIE)
         basis[row] = rest[:, nearest] @ rest / np.sqrt(nearness[nearest])
         rest = rest - np.outer(rest @ basis[row], basis[row])
     return basis

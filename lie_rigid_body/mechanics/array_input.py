@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, Shape, real_array
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, Shape, Sizes, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
         If the argument is not a finite square matrix, or not symmetric within round-off.
     """
     matrix = real_array(name, value, ("n", "n"))
-    gap = float(np.abs(matrix - matrix.T).max())
-    limit = ROUND_OFF * float(np.abs(matrix).max())
+    gap = np.abs(matrix - matrix.T).max()
+    limit = ROUND_OFF * (np.abs(matrix).max())
     if gap > limit:
         raise ParameterError(
             name,
@@ -113,7 +113,7 @@ def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
         If the shape is another or AᵀA is not 1 within `ORTHOGONAL_TOLERANCE`.
     """
     matrices = real_array(name, value, (..., n, n))
-    worst = float(np.abs(matrices.swapaxes(-1, -2) @ matrices - np.eye(n)).max())
+    worst = np.abs(matrices.swapaxes(-1, -2) @ matrices - np.eye(n)).max()
     if not worst <= ORTHOGONAL_TOLERANCE:
         raise ParameterError(
             name,
@@ -140,7 +140,7 @@ class ArraysOnly(Immutable):
     __slots__: tuple[str, ...] = ()
 
     @property
-    def batch_shape(self) -> tuple[int, ...]:
+    def batch_shape(self) -> Sizes:
         """The leading axes: () of one."""
         raise NotImplementedError
 

@@ -52,8 +52,8 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
             f"{array.size} numbers of shape {array.shape}: give 3 principal moments, ixx ixy ixz iyy iyz izz, or a "
             "tensor of shape (3, 3)",
         )
-    gap = float(np.abs(array - array.T).max())
-    allowed = SYMMETRY_ULPS * float(np.spacing(np.abs(array).max()))
+    gap = np.abs(array - array.T).max()
+    allowed = SYMMETRY_ULPS * (np.spacing(np.abs(array).max()))
     if gap > allowed:
         raise ParameterError(
             _NAME,

@@ -46,7 +46,7 @@ def moments_of_points(points: ArrayLike, masses: ArrayLike) -> MassMoments:
     x = real_array("points", points, ("N", "n"))
     m = real_array("masses", masses, (len(x),))
     require_share("masses", m, " kg")
-    mass = float(m.sum())
+    mass = m.sum()
     centre = m @ x / mass
     offsets = x - centre
     return MassMoments(mass, centre, symmetrised((m[:, None] * offsets).T @ offsets))
@@ -115,7 +115,7 @@ def moments_of_density(
     _require_order(low, high)
     nodes = whole_number("nodes", nodes, 3, int(MAX_EVALUATIONS ** (1.0 / len(low)) + 1e-9))
     fine, coarse = (_quadrature(density, low, high, count) for count in (nodes, nodes - 1))
-    error = float(np.abs(fine.second_moment - coarse.second_moment).max() / np.trace(fine.second_moment))
+    error = np.abs(fine.second_moment - coarse.second_moment).max() / np.trace(fine.second_moment)
     if not error <= QUADRATURE_TOLERANCE:
         raise ParameterError(
             "density",
@@ -136,6 +136,6 @@ def _quadrature(density: Callable[[Array], ArrayLike], low: Array, high: Array, 
 
 
 def _require_order(low: Array, high: Array) -> None:
-    worst = int(np.argmin(high - low))
+    worst = np.argmin(high - low)
     if not low[worst] < high[worst]:
         raise ParameterError("limits", f"{low[worst]:.9g} m is not below {high[worst]:.9g} m: give the lower end first")

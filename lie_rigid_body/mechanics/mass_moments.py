@@ -55,8 +55,7 @@ class MassMoments:
         centre = real_array("centre", self.centre, (len(central),))
         centre.setflags(write=False)
         central.setflags(write=False)
-        for name, value in (("mass", mass), ("centre", centre), ("central_second_moment", central)):
-            object.__setattr__(self, name, value)
+        vars(self).update(mass=mass, centre=centre, central_second_moment=central)
 
     @property
     def dimension(self) -> int:

@@ -51,10 +51,10 @@ class RigidBody(Immutable):
     __slots__ = ("inertia", "inverse_inertia", "principal_axes", "principal_moments")
 
     def __init__(self, inertia: ArrayLike) -> None:
-        self.inertia: Array = inertia_matrix(inertia)
+        self.inertia = inertia_matrix(inertia)
         self.principal_moments, self.principal_axes = principal_decomposition(self.inertia)
         require_physical(self.principal_moments)
-        self.inverse_inertia: Array = np.linalg.inv(self.inertia)
+        self.inverse_inertia = np.linalg.inv(self.inertia)
         for array in (self.inertia, self.inverse_inertia, self.principal_moments, self.principal_axes):
             array.setflags(write=False)
 

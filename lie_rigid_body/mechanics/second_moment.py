@@ -19,6 +19,7 @@ from lie_rigid_body.mechanics.array_input import (
 )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def second_moment_matrix(second_moment: ArrayLike) -> Array:
     """A given second moment, checked to be one that some mass distribution has.
 
@@ -38,9 +39,8 @@ def second_moment_matrix(second_moment: ArrayLike) -> Array:
         If it is not a finite square matrix, not symmetric, or not positive semidefinite within round-off. Also if a
         sum of its entries is beyond double precision.
     """
-    with np.errstate(over="ignore", invalid="ignore"):  # what goes beyond doubles is refused
-        matrix = symmetric_matrix("second moment", second_moment)
-        require_semidefinite("second moment", matrix, float(np.trace(matrix)))
+    matrix = symmetric_matrix("second moment", second_moment)
+    require_semidefinite("second moment", matrix, np.trace(matrix))
     return matrix
 
 
@@ -62,7 +62,7 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     """
     if not np.isfinite([scale, *matrix.flat]).all():
         raise ParameterError(name, "a sum of its entries is beyond double precision, 1.8e308: give smaller numbers")
-    smallest = float(np.linalg.eigvalsh(matrix)[0])
+    smallest = np.linalg.eigvalsh(matrix)[0]
     limit = -ROUND_OFF * abs(scale)
     if smallest < limit:
         raise ParameterError(
@@ -125,9 +125,9 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
         If sizes differ, or K is less than m c cᵀ, which no distribution of this mass and centre has.
     """
     K = second_moment_matrix(second_moment)
-    m = float(real_array("mass", mass, ()))
+    m = real_array("mass", mass, ())
     c, o = (real_array(name, point, (len(K),)) for name, point in (("centre", centre), ("origin", origin)))
-    require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
+    require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), (np.trace(K)))
     # written without c cᵀ, which would cancel
     return K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c))
 
@@ -184,7 +184,7 @@ def second_moment_from_inertia(inertia: ArrayLike) -> Array:
     xx, yy, zz = np.diag(tensor)
     K = -tensor
     np.fill_diagonal(K, [0.5 * (yy + zz - xx), 0.5 * (xx + zz - yy), 0.5 * (xx + yy - zz)])
-    require_semidefinite("second moment ½ tr(I) 1 − I of the inertia", K, float(np.trace(tensor)))
+    require_semidefinite("second moment ½ tr(I) 1 − I of the inertia", K, (np.trace(tensor)))
     return K
 
 

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array, real_array
+from lie_rigid_body.foundation.arrays import Array, Sizes, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.lie import quaternion
@@ -56,7 +56,7 @@ class State(ArraysOnly):
         self._hold(_unit(attitude), rate)
 
     @property
-    def batch_shape(self) -> tuple[int, ...]:
+    def batch_shape(self) -> Sizes:
         """The leading axes: () for one instant."""
         return self.body_rate.shape[:-1]
 

@@ -38,7 +38,7 @@ def kind_of_top(body: RigidBody) -> KindOfTop:
 
     It tells for how many axes eq. (30) holds.
     """
-    small, middle, large = (float(moment) for moment in body.principal_moments)
+    small, middle, large = body.principal_moments.tolist()
     if equal_moments(small, large):
         return "spherical"
     if equal_moments(small, middle):
@@ -51,7 +51,7 @@ def is_flat(body: RigidBody) -> bool:
 
     By eq. (28a) and its permutations that is where no mass lies off a plane.
     """
-    small, middle, large = (float(moment) for moment in body.principal_moments)
+    small, middle, large = body.principal_moments.tolist()
     return equal_moments(small + middle, large)
 
 
@@ -120,7 +120,7 @@ class SymmetricTop:
             return None
         along = float(body.principal_moments[axis])
         across = float(body.principal_moments[1])
-        rates = [float(rate) for rate in start.body_rate @ body.principal_axes]
+        rates = (start.body_rate @ body.principal_axes).tolist()
         axial = rates.pop(axis)
         transverse = math.hypot(*rates)
         tilt = math.atan2(across * transverse, abs(along * axial))

@@ -139,7 +139,7 @@ def _flips(polhode: Polhode, periods: Periods, nearest_angle: float) -> Flips:
         interval_s=float(interval / polhode.argument_rate),
         first_s=float(first / polhode.argument_rate),
         nearest_angle_rad=nearest_angle,
-        sudden=nearest_angle < SUDDEN_RAD and float(polhode.m1) < LINGERING,
+        sudden=nearest_angle < SUDDEN_RAD and polhode.m1 < LINGERING,
     )
 
 
@@ -285,7 +285,7 @@ def describe(body: RigidBody, start: State) -> Description:
 
 
 def _principal_axis(body: RigidBody, start: State, index: int) -> PrincipalAxis:
-    moments = [float(moment) for moment in body.principal_moments]
+    moments = body.principal_moments.tolist()
     # l/I, also where l itself is too small for a double
     spin = math.hypot(*(body.inertia / moments[index] @ start.body_rate)) if start.body_rate.any() else 1.0
     stability = SpinStability.of(moments, index, spin)
@@ -297,10 +297,10 @@ def _steady_rotation(body: RigidBody, start: State) -> FixedAxisRotation:
     axis = start.body_rate / speed
     moments = body.principal_moments
     own = float(moments[np.argmin(np.abs(moments - math.hypot(*(body.inertia @ axis))))])
-    principal = tuple(i for i in range(3) if equal_moments(float(moments[i]), own))
+    principal = tuple(i for i in range(3) if equal_moments((moments[i]), own))
     return FixedAxisRotation(_vector(axis), principal, 2.0 * math.pi / speed)
 
 
 def _vector(array: Array) -> Vector:
     # + 0.0 makes −0 a plain 0
-    return cast(Vector, tuple(float(component) + 0.0 for component in array))
+    return cast(Vector, tuple((array + 0.0).tolist()))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, Sizes
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.array_input import ArraysOnly
@@ -27,7 +27,7 @@ class MassCentre(ArraysOnly):
         self._hold(acceleration, position, velocity)
 
     @property
-    def batch_shape(self) -> tuple[int, ...]:
+    def batch_shape(self) -> Sizes:
         """The leading axes: () for one instant."""
         return self.position.shape[:-1]
 

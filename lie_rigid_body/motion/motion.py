@@ -82,10 +82,8 @@ def nanoseconds(t_ns: ArrayLike) -> Integers:
         raise InputError(
             f"t_ns has type {array.dtype} and shape {array.shape}: give integer nanoseconds, one or a flat list{how}"
         )
-    if array.dtype.kind == "u" and array.size and int(array.max()) > np.iinfo(np.int64).max:
-        raise InputError(
-            f"t_ns {int(array.max())} is beyond int64: give at most {np.iinfo(np.int64).max} ns (292 years)"
-        )
+    if array.dtype.kind == "u" and array.size and (array.max()) > np.iinfo(np.int64).max:
+        raise InputError(f"t_ns {(array.max())} is beyond int64: give at most {np.iinfo(np.int64).max} ns (292 years)")
     return array.astype(np.int64)
 
 

@@ -229,7 +229,7 @@ class MovingChart:
         require_order(t_ns, reached_ns)
         longest = self._method.longest_step(self._max_step, self._integrator.fastest)
         spans, counts = steps_to(t_ns, reached_ns, longest)
-        step = min(longest, 1e-9 * int(spans.max(initial=0)))
+        step = min(longest, 1e-9 * (spans.max(initial=0)))
         self._integrator.require_short_steps(state, step)
         state, attitude, rate = self._integrator.advance(state, spans, counts)
         if np.isnan(attitude[-1:]).any():

@@ -222,5 +222,5 @@ def refuse_first(name: str, noun: str, seconds: Array, faults: Mapping[str, Bool
     """
     for told, has_it in faults.items():
         if has_it.any():
-            i = int(np.argmax(has_it))
+            i = np.argmax(has_it)
             raise ParameterError(name, f"{noun} {i + 1}, at {seconds[i]:.15g} s, {told}")

@@ -111,7 +111,7 @@ def require_order(times_ns: Integers, reached_ns: int) -> None:
     path = np.append(np.int64(reached_ns), times_ns)
     back = path[1:] < path[:-1]
     if back.any():
-        i = int(np.argmax(back))
+        i = np.argmax(back)
         raise InputError(
             f"t_ns {path[i + 1]} lies before {path[i]}, which is already reached: give times that do not decrease, or "
             "start a new motion"

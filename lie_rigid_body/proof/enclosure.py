@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Final
+from typing import Final, TypeAlias
 
 from flint import arb, ctx
 from numpy.typing import ArrayLike
@@ -31,6 +31,9 @@ from lie_rigid_body.proof.start import Start
 
 WIDTH: Final = 2.0**-80
 """Default of the largest width of an `Enclosure`, 8e-25."""
+
+Bounds: TypeAlias = tuple[float, float]
+"""The least and the largest that a distance may be, rounded outward."""
 
 _MIN_BITS: Final = 128
 _MAX_BITS: Final = 1 << 16
@@ -68,7 +71,7 @@ class Enclosure:
         relative = 0.0 if width == 0 else at_most(width / norm(self.body_rate))
         return max(at_most(widest(self.attitude_xyzw)), relative)
 
-    def attitude_error(self, attitude_xyzw: ArrayLike) -> tuple[float, float]:
+    def attitude_error(self, attitude_xyzw: ArrayLike) -> Bounds:
         """Bounds of the angle between a given attitude and the true one.
 
         Parameters
@@ -90,7 +93,7 @@ class Enclosure:
             angle = 2 * (sine / cosine).atan() if cosine > sine else arb.pi() - 2 * (cosine / sine).atan()
             return _bounds(angle)
 
-    def rate_error(self, body_rate: ArrayLike) -> tuple[float, float]:
+    def rate_error(self, body_rate: ArrayLike) -> Bounds:
         """Bounds of the distance of a given body rate from the true one.
 
         Parameters
@@ -165,7 +168,7 @@ def _balls(name: str, values: ArrayLike, size: int) -> Balls:
     return tuple(arb(x) for x in shaped(name, values, (size,)).tolist())
 
 
-def _bounds(distance: arb) -> tuple[float, float]:
+def _bounds(distance: arb) -> Bounds:
     if not distance.is_finite():
         return math.inf, math.inf
     return max(0.0, at_least(distance)), at_most(distance)

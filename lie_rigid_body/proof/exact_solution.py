@@ -45,6 +45,8 @@ error.
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 from flint import acb, arb, ctx, fmpq, fmpq_poly
 
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -64,8 +66,11 @@ from lie_rigid_body.proof.balls import (
 )
 from lie_rigid_body.proof.start import Kind, Start
 
+Turned: TypeAlias = tuple[Balls, Balls]
+"""A rotation, as a quaternion, and a vector after it: the momentum or the body rate."""
 
-def exact_state(start: Start, t_ns: int, bits: int) -> tuple[Balls, Balls]:
+
+def exact_state(start: Start, t_ns: int, bits: int) -> Turned:
     """Attitude and body rate at a time, in balls of a precision.
 
     Parameters
@@ -104,7 +109,7 @@ def exact_state(start: Start, t_ns: int, bits: int) -> tuple[Balls, Balls]:
         return product(attitude, turned), polhode.to_body(rates)
 
 
-def _symmetric_top(start: Start, attitude: Balls, t: arb) -> tuple[Balls, Balls]:
+def _symmetric_top(start: Start, attitude: Balls, t: arb) -> Turned:
     """Regular precession: a steady turn about the momentum, of rate p/I₁, after one about the body's axis of symmetry.
 
     With I₁ the moment of the two equal axes, ω − p/I₁ lies along the third, and is constant.
@@ -250,7 +255,7 @@ class _EnclosedCirculation:
         pole = polhode.sigma * (2 * other - b) / (2 * quarter)
         return cls(polhode, complement, quarter, other, pole)
 
-    def at(self, t: arb) -> tuple[Balls, Balls]:
+    def at(self, t: arb) -> Turned:
         """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame."""
         polhode = self.polhode
         nu = polhode.frequency
@@ -293,7 +298,7 @@ def _carlson(x: arb, y: arb, z: arb) -> arb:
     return acb.elliptic_rf(acb(x), acb(y), acb(z)).real
 
 
-def _separatrix_at(polhode: _EnclosedPolhode, t: arb) -> tuple[Balls, Balls]:
+def _separatrix_at(polhode: _EnclosedPolhode, t: arb) -> Turned:
     """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame, of the motion that takes for ever to reach the middle axis."""
     p = polhode.norm
     a1, _, a3 = polhode.amplitudes

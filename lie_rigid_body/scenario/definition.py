@@ -45,8 +45,14 @@ MAX_KICKS_PER_SAMPLE: Final = 100_000
 _STEPS_OF_A_KICK: Final = 64
 """Number of steps of the moving chart that take as long as a kick, about 1 ms."""
 _OF_MECHANICS: Final = (
-    *("inertia", "initial_attitude_xyzw", "initial_body_rate", "kicks", "kick_period"),
-    *("translation", "initial_position", "initial_velocity"),
+    "inertia",
+    "initial_attitude_xyzw",
+    "initial_body_rate",
+    "kicks",
+    "kick_period",
+    "translation",
+    "initial_position",
+    "initial_velocity",
 )
 """Parameters that a path takes the place of."""
 _OF_THE_MOTION: Final = tuple(parameter.name for parameter in OWN if parameter.scope == "scenario")
@@ -113,10 +119,9 @@ class Scenario:
     def __init__(self, /, **parameters: object) -> None:
         values = read_parameters({name: plain(value) for name, value in parameters.items()})
         of_sensors = {name: values[name] for name in SENSORS.parameters}
-        for name in _OF_THE_MOTION:
-            object.__setattr__(self, name, values[name])
-        object.__setattr__(self, "sensors", Sensors.from_values(of_sensors))
-        object.__setattr__(self, "sensor_parameters", tuple(of_sensors.items()))
+        of_motion = {name: values[name] for name in _OF_THE_MOTION}
+        sensors = Sensors.from_values(of_sensors)
+        vars(self).update(of_motion, sensors=sensors, sensor_parameters=tuple(of_sensors.items()))
         self._validate()
 
     @classmethod
@@ -194,7 +199,7 @@ class Scenario:
             *without_effect(self._used_sensor_parameters()),
         ]
 
-    def _used_sensor_parameters(self) -> dict[str, Value]:
+    def _used_sensor_parameters(self) -> Given:
         """Values of the parameters of sensors; the gravity at its default where a thrown body uses it."""
         values = dict(self.sensor_parameters)
         if self.translation == "thrown":
@@ -462,7 +467,7 @@ def _require_normal(body: RigidBody, starts: State) -> None:
     momenta = norm(body.body_momentum(starts))
     impossible = np.flatnonzero([~(_are_normal(values) | (values == 0.0)) for values in (energies, momenta)])
     if impossible.size:
-        first = int(impossible.min() % len(energies))
+        first = impossible.min() % len(energies)
         raise ParameterError(
             "kicks" if first else "initial_body_rate",
             f"{numerals(starts.body_rate[first])} rad/s gives an energy of {energies[first]:g} J and a momentum of "

@@ -70,7 +70,7 @@ def beyond_rotation(scenario: Scenario) -> dict[str, Any]:
     count = MAX_ARCS if kicks.period_ns else min(MAX_ARCS, len(starts))
     arcs = []
     for number in range(count):
-        start = starts[int(kicks.places(number)[1])]
+        start = starts[(kicks.places(number)[1])]
         regime = describe(scenario.body(), start).regime
         arcs.append({"begin_s": kicks.begin_ns(number) / NS, "body_rate": start.body_rate.tolist(), "regime": regime})
     of_kicks = {

@@ -55,9 +55,9 @@ def random_kicks(
     length = float(exact_duration(plain(duration), "duration", "duration=60.0"))
     given = {"interval": interval, "rate": rate, "rest_probability": rest_probability, "seed": seed}
     values = read_table(_ARGUMENTS, {name: plain(value) for name, value in given.items()})
-    draws = Draws(int(seed), NoiseSource.KICKS, width=5).following(0, MAX_KICKS + 1)
+    draws = Draws((seed), NoiseSource.KICKS, width=5).following(0, MAX_KICKS + 1)
     times = interval * np.cumsum(0.5 + draws[:, 0])
-    count = int(np.searchsorted(times, length))
+    count = np.searchsorted(times, length)
     if count > MAX_KICKS:
         raise InputError(
             f"duration {length:g} s has more than {MAX_KICKS} kicks with an interval of {values['interval']:g} s: give "

@@ -10,6 +10,7 @@ import json
 import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
@@ -29,7 +30,8 @@ PARAMETERS_KEY: Final = "ros__parameters"
 MAX_FILE_BYTES: Final = 128 * 1024
 """Largest size of a parameter file, bytes: YAML takes 10 µs a byte."""
 
-Source: TypeAlias = tuple[str | Path | None, dict[str, object]]
+FilePath: TypeAlias = str | Path
+Source: TypeAlias = tuple[FilePath | None, Given]
 """A parameter file, or None for the command line, and the parameters that it gives."""
 
 _NODE_ONLY: Final = re.compile(r"use_sim_time|start_type_description_service|qos_overrides\..*")
@@ -46,7 +48,7 @@ _FLOAT: Final = re.compile(
 )
 
 
-def read_parameter_file(path: str | Path, node_name: str = NODE_NAME, namespace: str = "/") -> dict[str, object]:
+def read_parameter_file(path: FilePath, node_name: str = NODE_NAME, namespace: str = "/") -> Given:
     """The parameters that a ROS 2 parameter file gives a node.
 
     Parameters
@@ -75,7 +77,7 @@ def read_parameter_file(path: str | Path, node_name: str = NODE_NAME, namespace:
     return dict(item for values in meant for item in _flatten(values))
 
 
-def read_sections(path: str | Path, *, pipes: bool = True) -> list[tuple[str, Given]]:
+def read_sections(path: FilePath, *, pipes: bool = True) -> list[tuple[str, Given]]:
     """The sections of a ROS 2 parameter file, whichever nodes they mean.
 
     Parameters
@@ -103,7 +105,7 @@ def read_sections(path: str | Path, *, pipes: bool = True) -> list[tuple[str, Gi
     return sections
 
 
-def read_yaml(path: str | Path, *, pipes: bool = True) -> Any:
+def read_yaml(path: FilePath, *, pipes: bool = True) -> Any:
     """The content of a YAML file whose plain scalars are read as rcl reads them.
 
     Raises
@@ -158,7 +160,7 @@ def parse_assignment(text: str, option: str = "-p") -> tuple[str, object]:
 
 def gather(
     scenario: str | None,
-    files: Sequence[str | Path],
+    files: Sequence[FilePath],
     assignments: Sequence[str],
     node_name: str = NODE_NAME,
     namespace: str = "/",
@@ -185,14 +187,14 @@ def gather(
     return merge(sources(scenario, files, assignments, node_name, namespace))
 
 
-def files_read(scenario: str | None, files: Sequence[str | Path]) -> list[str | Path]:
+def files_read(scenario: str | None, files: Sequence[FilePath]) -> list[FilePath]:
     """The files that `gather` reads."""
     return [*([scenario_file(scenario)] if scenario is not None else []), *files]
 
 
 def sources(
     scenario: str | None,
-    files: Sequence[str | Path],
+    files: Sequence[FilePath],
     assignments: Sequence[str],
     node_name: str = NODE_NAME,
     namespace: str = "/",
@@ -212,7 +214,7 @@ def merge(given: Sequence[Source]) -> dict[str, object]:
     return {name: value for name, value in merged.items() if not _NODE_ONLY.fullmatch(name)}
 
 
-def file_that_gives(name: str, given: Sequence[Source]) -> str | Path | None:
+def file_that_gives(name: str, given: Sequence[Source]) -> FilePath | None:
     """The file whose value of a parameter wins in `merge`, or None if it came from elsewhere."""
     return next((path for path, values in reversed(given) if name in values), None)
 
@@ -291,7 +293,7 @@ def _construct_scalar(loader: _Loader, node: yaml.ScalarNode) -> object:
     return _plain(str(text))
 
 
-def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, object]:
+def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> Given:
     mapping: dict[str, object] = {}
     for key_node, value_node in node.value:
         if not isinstance(key_node, yaml.ScalarNode):
@@ -303,14 +305,10 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, obj
 _Loader.yaml_implicit_resolvers = {}
 
 
-def _construct_list(loader: _Loader, node: yaml.SequenceNode) -> list[object]:
-    """A list as launch_ros writes it."""
-    return loader.construct_sequence(node, deep=True)
-
-
 _Loader.add_constructor(_TEXT, _construct_scalar)
 _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
-_Loader.add_constructor("tag:yaml.org,2002:python/tuple", _construct_list)
+# lists as launch_ros writes them
+_Loader.add_constructor("tag:yaml.org,2002:python/tuple", partial(_Loader.construct_sequence, deep=True))
 
 
 def _sections(content: Given, name: str, source: str) -> Iterator[tuple[str, Given]]:

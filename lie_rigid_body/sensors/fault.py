@@ -12,7 +12,7 @@ import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS, Names
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.sensors.noise import Draws
@@ -22,8 +22,18 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 KINDS: Final = (
-    *("dropout", "outage", "latency", "latency_jitter", "clock_offset", "clock_skew"),
-    *("spike", "noise_burst", "stuck", "saturation", "temperature_drift", "magnetic_disturbance"),
+    "dropout",
+    "outage",
+    "latency",
+    "latency_jitter",
+    "clock_offset",
+    "clock_skew",
+    "spike",
+    "noise_burst",
+    "stuck",
+    "saturation",
+    "temperature_drift",
+    "magnetic_disturbance",
 )
 """The kinds of faults. The order is part of the keys of the random numbers."""
 AXES: Final = ("x", "y", "z")
@@ -231,9 +241,9 @@ class FaultModel(ABC):
     seed: int
     window: Window
 
-    switches: ClassVar[tuple[str, ...]] = ()
+    switches: ClassVar[Names] = ()
     """Ends of the names of the parameters any of which switches a fault on."""
-    intermittent_kinds: ClassVar[tuple[str, ...]] = ()
+    intermittent_kinds: ClassVar[Names] = ()
     """Fields that are `IntermittentFault`, or None if their interval is 0."""
 
     @classmethod
@@ -347,7 +357,7 @@ class TransportFaults(FaultModel):
         """
         stamps = np.asarray(measured_ns + self.error_ns(measured_ns, epoch_ns), dtype=np.int64)
         if len(stamps) and not 0 <= stamps.min() <= stamps.max() <= MAX_EPOCH_NS:
-            worst = int(stamps[np.argmax((stamps < 0) | (stamps > MAX_EPOCH_NS))])
+            worst = stamps[np.argmax((stamps < 0) | (stamps > MAX_EPOCH_NS))]
             raise ParameterError(
                 f"{self.sensor}_clock_offset",
                 f"a reading would be stamped {worst} ns, outside [0, {MAX_EPOCH_NS}]: give another epoch_ns",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from decimal import ROUND_CEILING, Context
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.motion.harmonics import Harmonics
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise, harmonics
 from lie_rigid_body.sensors.parameters import (
+    Fields,
     Values,
     angle,
     harmonics_parameters,
@@ -33,6 +34,7 @@ from lie_rigid_body.sensors.pointing import OrientationModel
 from lie_rigid_body.sensors.sensor import (
     Carrier,
     Field,
+    FixedFields,
     Instrument,
     Sensor,
     SensorModel,
@@ -89,7 +91,7 @@ class ImuModel(SensorModel):
     orientation: OrientationModel | None = None
 
     @classmethod
-    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+    def parts(cls, sensor: str, values: Values) -> Fields:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], 1e6, "m")
         require_band("vibration_band", values["vibration_band"])
@@ -286,7 +288,7 @@ class Imu(Instrument):
         }
 
 
-def _fixed(model: ImuModel) -> dict[str, Vector]:
+def _fixed(model: ImuModel) -> FixedFields:
     """Fields that are the same in all messages of readings (REP-145)."""
     return {
         **_UNORIENTED,
@@ -296,7 +298,11 @@ def _fixed(model: ImuModel) -> dict[str, Vector]:
     }
 
 
-_UNORIENTED: Final[dict[str, Vector]] = {
+def _fixed_of_bias(model: ImuModel) -> FixedFields:
+    return _UNORIENTED
+
+
+_UNORIENTED: Final = {
     "orientation": (0.0, 0.0, 0.0, 1.0),
     "orientation_covariance": (-1.0, *[0.0] * 8),
 }
@@ -329,7 +335,7 @@ IMU_SENSOR: Final = Sensor(
                 Field("accelerometer_bias", "linear_acceleration", "m/s²", "accelerometer bias"),
             ),
             "imu_frame",
-            lambda _: _UNORIENTED,
+            _fixed_of_bias,
         ),
     ),
     parameters=(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.fault import AXES, Fault, FaultModel, IntermittentFault
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import (
+    Fields,
     Values,
     episode_parameters,
     not_negative,
@@ -24,8 +25,8 @@ from lie_rigid_body.sensors.parameters import (
     triad_fault_parameters,
 )
 from lie_rigid_body.sensors.sensor import (
-    Carrier,
     Field,
+    FixedFields,
     Instrument,
     Sensor,
     SensorModel,
@@ -131,7 +132,7 @@ class MagnetometerModel(SensorModel):
     faults: TriadFaults | None = None
 
     @classmethod
-    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+    def parts(cls, sensor: str, values: Values) -> Fields:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("magnetic_field", values["magnetic_field"], MAX_FIELD_T, "T")
         require_at_most("magnetometer_hard_iron", values["magnetometer_hard_iron"], MAX_FIELD_T, "T")
@@ -153,7 +154,7 @@ class MagnetometerModel(SensorModel):
         """The magnetic field, if there is one. An estimator is granted to know how large the iron's errors may be."""
         noise = self.noise_density * math.sqrt(self.rate)
         hard = max(map(abs, self.hard_iron))
-        soft = float(np.abs(np.array(self.soft_iron).reshape(3, 3) - np.eye(3)).max())
+        soft = np.abs(np.array(self.soft_iron).reshape(3, 3) - np.eye(3)).max()
         return (VectorMeasurement(self.field, noise, hard, 0.0, linear_errors(matrix=soft)),) if any(self.field) else ()
 
 
@@ -163,11 +164,11 @@ class Magnetometer(Instrument):
     Parameters
     ----------
     model : MagnetometerModel
-    body : RigidBody, optional
-        The body to which it is fixed, at which it does not look.
+    carrier : Carrier, optional
+        What it is fixed to, at which it does not look.
     """
 
-    def __init__(self, model: MagnetometerModel, carrier: Carrier | None = None) -> None:
+    def __init__(self, model: MagnetometerModel, carrier: object = None) -> None:
         self._model = model
         self._soft_iron = np.array(model.soft_iron).reshape(3, 3)
         self._noise = WhiteNoise(
@@ -190,7 +191,7 @@ class Magnetometer(Instrument):
         return {"field": Signal(signal, model.converter)}
 
 
-def _fixed(model: MagnetometerModel) -> dict[str, Vector]:
+def _fixed(model: MagnetometerModel) -> FixedFields:
     return {"magnetic_field_covariance": diagonal(model.variance)}
 
 

@@ -15,12 +15,14 @@ from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import Given, Parameter, Value, Vector
+from lie_rigid_body.foundation.parameters import Given, Names, Parameter, Value, Vector
 from lie_rigid_body.foundation.wording import numerals
 from lie_rigid_body.motion.harmonics import HARMONICS, STEPS_PER_HZ
 
 Parameters: TypeAlias = tuple[Parameter, ...]
 """Parameters in the order in which they are shown."""
+Fields: TypeAlias = dict[str, Any]
+"""Values of the fields of a model, by their names."""
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
 
@@ -38,7 +40,7 @@ _MAX_SKEW: Final = 0.01
 """Largest skew of a sensor's clock, s/s."""
 
 
-def values_of(kind: type, name: str, values: Values) -> dict[str, Any]:
+def values_of(kind: type, name: str, values: Values) -> Fields:
     """Values of the parameters that a dataclass has as fields: FIELD for each parameter NAME_FIELD."""
     found = {field.name: values.get(f"{name}_{field.name}") for field in fields(kind)}
     return {field: value for field, value in found.items() if value is not None}
@@ -193,7 +195,7 @@ def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float,
     )
 
 
-def fault_switches(parameters: Iterable[Parameter]) -> dict[str, tuple[str, ...]]:
+def fault_switches(parameters: Iterable[Parameter]) -> dict[str, Names]:
     """The parameters that switch a fault on, each with how the names of the others of that fault begin."""
     names = [parameter.name for parameter in parameters]
     some = {name: (f"{name.rpartition('_')[0]}_",) for name in names if name.endswith(("_interval", "_probability"))}
@@ -298,7 +300,7 @@ GRADES: Final[Mapping[str, Mapping[str, Value]]] = MappingProxyType(
 """The error parameters that each grade sets; the others stay at their defaults, without error."""
 
 
-def graded(given: Given) -> dict[str, object]:
+def graded(given: Given) -> Given:
     """Add the errors of a grade to the parameters that are given, which override them.
 
     Parameters

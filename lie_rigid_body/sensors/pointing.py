@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -13,10 +13,9 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
-from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
+from lie_rigid_body.sensors.parameters import Fields, Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import (
     AttitudeMeasurement,
-    Carrier,
     Field,
     Instrument,
     Sensor,
@@ -85,7 +84,7 @@ class AttitudeSensorModel(SensorModel):
     roll_noise: float
 
     @classmethod
-    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+    def parts(cls, sensor: str, values: Values) -> Fields:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         return {"boresight": direction(values, "attitude_sensor_boresight")}
 
@@ -132,11 +131,11 @@ class AttitudeSensor(Instrument):
     Parameters
     ----------
     model : AttitudeSensorModel
-    body : RigidBody, optional
-        The body to which it is fixed, at which it does not look.
+    carrier : Carrier, optional
+        What it is fixed to, at which it does not look.
     """
 
-    def __init__(self, model: AttitudeSensorModel, carrier: Carrier | None = None) -> None:
+    def __init__(self, model: AttitudeSensorModel, carrier: object = None) -> None:
         self._model = model
         self._boresight = np.array(model.boresight)
         self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
@@ -176,7 +175,7 @@ class SunSensorModel(SensorModel):
     noise: float
 
     @classmethod
-    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+    def parts(cls, sensor: str, values: Values) -> Fields:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         return {"sun": direction(values, "sun_direction")}
 
@@ -192,11 +191,11 @@ class SunSensor(Instrument):
     Parameters
     ----------
     model : SunSensorModel
-    body : RigidBody, optional
-        The body to which it is fixed, at which it does not look.
+    carrier : Carrier, optional
+        What it is fixed to, at which it does not look.
     """
 
-    def __init__(self, model: SunSensorModel, carrier: Carrier | None = None) -> None:
+    def __init__(self, model: SunSensorModel, carrier: object = None) -> None:
         self._sun = np.array(model.sun)
         self._noise = WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise)
 

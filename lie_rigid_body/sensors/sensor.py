@@ -6,17 +6,17 @@ import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, field, is_dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.parameters import Vector
+from lie_rigid_body.foundation.parameters import Names, Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.sensors.fault import FaultModel, TransportFaults
-from lie_rigid_body.sensors.parameters import Parameters, Values, delivery_parameters, values_of
+from lie_rigid_body.sensors.parameters import Fields, Parameters, Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signals
 
 if TYPE_CHECKING:
@@ -191,7 +191,7 @@ class SensorModel:
         return cls(seed=values["sensor_seed"], delivery=delivery, **{**own, **parts})
 
     @classmethod
-    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+    def parts(cls, sensor: str, values: Values) -> Fields:
         """Fields that have no parameter of their name, by their names; see `from_values`."""
         return {}
 
@@ -255,6 +255,10 @@ def diagonal(variance: float) -> Vector:
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
 
 
+FixedFields: TypeAlias = Mapping[str, Vector]
+"""Fields that are the same in every message, their numbers by their names."""
+
+
 @short_dataclass
 class Topic:
     """A topic of a sensor: messages of a std_msgs/Header and float64 numbers.
@@ -281,7 +285,7 @@ class Topic:
     title: str
     fields: tuple[Field, ...]
     frame: str = "body_frame"
-    fixed: Callable[[Any], Mapping[str, Vector]] | None = None
+    fixed: Callable[[Any], FixedFields] | None = None
 
 
 @short_dataclass
@@ -321,7 +325,7 @@ class Sensor:
     streams: Mapping[str, int]
     faults: Parameters = ()
     attribute: str = ""
-    switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    switches: Mapping[str, Names] = field(default_factory=dict)
 
     @property
     def switch(self) -> str:

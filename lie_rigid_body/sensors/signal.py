@@ -77,13 +77,17 @@ class Converter:
         """Values that saturate at the largest reading within a limit."""
         step = self.resolution
         # the last multiple of the resolution
-        largest = min(float(np.floor(limit / step * (1.0 + _ROUND_OFF))) * step, limit) if step else limit
+        largest = min((np.floor(limit / step * (1.0 + _ROUND_OFF))) * step, limit) if step else limit
         return np.clip(values, -largest, largest)
 
     @property
     def variance(self) -> float:
         """Variance that rounding adds to a signal that crosses many steps, resolution²/12."""
         return self.resolution * self.resolution / 12.0
+
+
+CONTINUOUS: Final = Converter(0.0, 0.0)
+"""The converter that changes nothing."""
 
 
 @short_dataclass
@@ -94,19 +98,19 @@ class Signal:
     ----------
     values : ndarray, shape (N, ...)
         In the unit of the reading.
-    converter : Converter or None
-        What makes readings of the values; None: the readings are the values.
+    converter : Converter
+        What makes readings of the values; by default the readings are the values.
     interval : float
         Time over which each value is a mean, s; 0: it is that of an instant.
     """
 
     values: Array
-    converter: Converter | None = None
+    converter: Converter = CONTINUOUS
     interval: float = 0.0
 
     def read(self) -> Array:
         """The readings, of the shape of the values."""
-        return self.values if self.converter is None else self.converter.read(self.values)
+        return self.converter.read(self.values)
 
 
 Signals: TypeAlias = dict[str, Signal]

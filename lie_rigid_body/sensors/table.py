@@ -145,13 +145,13 @@ def without_effect(values: Values) -> list[str]:
     values : mapping of str to value
         Every one of ``SENSORS.parameters``.
     """
-    usual = {name: parameter.default for name, parameter in SENSORS.parameters.items()}
+    every = SENSORS.parameters
+    usual = {name: parameter.default for name, parameter in every.items()}
     usual |= {**GRADES[str(values[GRADE])], GRADE: values[GRADE]}
     of_world = {*frame_parameters(), "accelerometer_mode"}  # a scenario tells what world it is without a sensor as well
     asked = {name for name, value in values.items() if value != usual[name] and name not in of_world}
-    faults = fault_switches(SENSORS.parameters.values())
+    faults = fault_switches(every.values())
     begins = {switch: own for sensor in SENSORS.values() for switch, own in sensor.switches.items()} | faults
-    every = SENSORS.parameters
     switched = {sensor.switch: [p.name for p in sensor.all_parameters] for sensor in SENSORS.values()}
     switched |= {switch: [name for name in every if name.startswith(own)] for switch, own in begins.items()}
     sentences = list[str]()

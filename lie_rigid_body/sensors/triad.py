@@ -60,7 +60,10 @@ class TriadFaults(FaultModel):
     temperature_drift_duration: float
 
     switches = (
-        *("spike_probability", "noise_burst_interval", "stuck_interval", "saturation_interval"),
+        "spike_probability",
+        "noise_burst_interval",
+        "stuck_interval",
+        "saturation_interval",
         "temperature_drift",
     )
     intermittent_kinds = ("noise_burst", "stuck", "saturation")
@@ -98,9 +101,11 @@ class TriadFaults(FaultModel):
         for row, column in np.argwhere(spikes).tolist():
             time = int(times_ns[row])
             yield Fault("spike", self.sensor, AXES[column], time, time, float(spikes[row, column]))
-        bursts = (self.noise_burst, self.noise_burst_density)
-        saturation = (self.saturation, self.saturation_level)
-        for episodes, size in (bursts, (self.stuck, None), saturation):
+        for episodes, size in (
+            (self.noise_burst, self.noise_burst_density),
+            (self.stuck, None),
+            (self.saturation, self.saturation_level),
+        ):
             if episodes is not None:
                 for number, begin, end in episodes.between(begin_ns, end_ns):
                     axis = AXES[stuck_axes(episodes, np.array([number]))[0]] if episodes is self.stuck else ""
@@ -240,7 +245,7 @@ class TriadModel:
             faults=TriadFaults.from_values(sensor, values),
         )
         require_at_most(f"{sensor}_scale_factor", found.scale_factor, 1e6, "")
-        angle = float(vectors.norm(found.misalignment))
+        angle = vectors.norm(found.misalignment)
         if angle > math.pi:
             raise ParameterError(
                 f"{sensor}_misalignment",
@@ -257,7 +262,7 @@ class TriadModel:
     @property
     def linear_errors(self) -> Array:
         """Errors of scale and mounting that no estimator knows, as large as the largest that is declared."""
-        scale = float(np.abs(np.subtract(self.scale_factor, 1.0)).max())
+        scale = np.abs(np.subtract(self.scale_factor, 1.0)).max()
         return linear_errors(scale=scale, misalignment=max(map(abs, self.misalignment)))
 
     def variance(self, rate: float) -> float:

@@ -146,15 +146,6 @@ def test_the_action_of_a_path_is_the_integral_of_its_energy(name):
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.02)
 
 
-@pytest.mark.parametrize("name", GROUPS)
-def test_batches_are_their_rows(name):
-    body, w = random_case(GROUPS[name], 5)
-    w = w[:4].reshape(2, 2, -1)
-    for function in (body.value, body.momenta, body.rates, body.chart_force, body.momentum_rate, body.acceleration):
-        rows = np.array([[function(v) for v in pair] for pair in w])
-        np.testing.assert_allclose(function(w), rows, rtol=1e-13, atol=1e-14)
-
-
 def test_the_metric_in_space_keeps_energy_and_turns_momentum():
     body, w = random_case(SO(4), 6)
     group = body.group

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from sample_groups import COMPACT, GROUPS, random_body, random_metric
+from sample_groups import GROUPS, random_body, random_metric
 
 from lie_rigid_body.groups import (
     SO,
@@ -138,12 +138,6 @@ def test_the_derivative_of_the_metric_is_its_change_along_the_group(name):
     assert name == "U1" or np.abs(found).max() > 1e-2 * scale
 
 
-@pytest.mark.parametrize("name", COMPACT)
-def test_a_bi_invariant_metric_does_not_change(name):
-    group = COMPACT[name]
-    np.testing.assert_allclose(metric_derivative(group, 2.0 * group.trace_metric), 0.0, atol=1e-14)
-
-
 def test_attitudes_are_batched():
     rng = np.random.default_rng(1)
     K, T = moments_of_points(*random_points(4, rng)).second_moment, plane_generators(4)
@@ -184,14 +178,6 @@ def test_its_geodesics_are_the_motions(name):
     w = rng.normal(size=(5, body.group.dimension))
     for symbols in (connection_coefficients(body), christoffel_symbols(body)):
         np.testing.assert_allclose(-np.einsum("abc,na,nb->nc", symbols, w, w), body.acceleration(w), atol=1e-12)
-
-
-@pytest.mark.parametrize("name", COMPACT)
-def test_of_a_bi_invariant_metric_it_is_half_the_bracket(name):
-    group = COMPACT[name]
-    body = Lagrangian(group, 2.5 * group.trace_metric)
-    np.testing.assert_allclose(connection_coefficients(body), 0.5 * group.structure_constants, atol=1e-14)
-    np.testing.assert_allclose(christoffel_symbols(body), 0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", GROUPS)

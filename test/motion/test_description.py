@@ -74,18 +74,6 @@ def test_period_and_parameter_are_those_of_the_textbook(name: str):
 
 
 @EVERY_PERIODIC
-def test_the_body_rate_returns_after_a_period_and_not_before(name: str):
-    body, start, circulation = made(name)
-    seconds = np.linspace(0.0, 2.5 * circulation.period_s, 20_001)
-    far = np.linalg.norm(states_at(body, start, seconds).body_rate - start.body_rate, axis=1)
-    square = far**2
-    lowest = np.flatnonzero((far[1:-1] < far[:-2]) & (far[1:-1] <= far[2:]) & (far[1:-1] < 0.003 * far.max())) + 1
-    before, here, after = square[lowest - 1], square[lowest], square[lowest + 1]
-    returns = seconds[lowest] + 0.5 * seconds[1] * (before - after) / (before - 2.0 * here + after)
-    np.testing.assert_allclose(returns, circulation.period_s * np.array([1.0, 2.0]), rtol=1e-5)
-
-
-@EVERY_PERIODIC
 def test_after_a_period_the_attitude_has_advanced_about_the_momentum(name: str):
     body, start, circulation = made(name)
     later = states_at(body, start, np.array([circulation.period_s]))

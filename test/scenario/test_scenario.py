@@ -131,13 +131,6 @@ def test_a_method_that_limits_its_steps_takes_any_max_step(method: str) -> None:
         assert off(scenario) < 1e-14
 
 
-def test_fast_bodies_need_no_shorter_max_step() -> None:
-    scenario = Scenario.from_parameters({"initial_body_rate": [5000.0, 20.0, 0.0], "rate": 1000.0})
-    exact = ClosedForm(scenario.body(), scenario.start()).at(10**7)
-    found = scenario.make_motion().at(10**7)
-    np.testing.assert_allclose(found.attitude_xyzw, exact.attitude_xyzw, rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("method", [name for name in METHODS if name not in LIMITED])
 def test_a_method_that_does_not_is_refused_long_steps(method: str) -> None:
     with pytest.raises(ParameterError) as refusal:

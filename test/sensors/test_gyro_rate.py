@@ -29,14 +29,6 @@ def test_integrated_rates_compose_to_the_turn_of_the_body(jitter_ns: int) -> Non
         assert (turn.inv() * Rotation.from_quat(truth)).magnitude() < 2e-13
 
 
-def test_instantaneous_rates_do_not_compose() -> None:
-    t = times(500)
-    turn = Rotation.from_quat(MOTION.at(np.array([-STEP_NS])).attitude_xyzw[0])
-    for rate in imu().measure(t, MOTION.at(t))["gyro"]:
-        turn = turn * Rotation.from_rotvec(rate * (STEP_NS * 1e-9))
-    assert (turn.inv() * Rotation.from_quat(MOTION.at(t).attitude_xyzw[-1])).magnitude() > 1e-4
-
-
 def test_an_integrated_rate_is_the_rate_in_the_middle_of_a_short_interval() -> None:
     """The difference falls with the square of the interval."""
     errors = []

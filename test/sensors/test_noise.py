@@ -47,21 +47,13 @@ def test_the_first_words_are_these_for_ever() -> None:
 
 
 def test_source_numbers_are_these_for_ever() -> None:
-    assert {source.name: int(source) for source in NoiseSource} == {
-        "GYRO_TURN_ON": 1,
-        "GYRO_WALK": 2,
-        "GYRO_WHITE": 3,
-        "ACCELEROMETER_TURN_ON": 4,
-        "ACCELEROMETER_WALK": 5,
-        "ACCELEROMETER_WHITE": 6,
-        "MAGNETOMETER_WHITE": 7,
-        "ORIENTATION_WHITE": 8,
-        "ATTITUDE_SENSOR_WHITE": 9,
-        "SUN_SENSOR_WHITE": 10,
-        "SWAY": 11,
-        "VIBRATION": 12,
-        "KICKS": 13,
-    }
+    names = [
+        *("GYRO_TURN_ON", "GYRO_WALK", "GYRO_WHITE"),
+        *("ACCELEROMETER_TURN_ON", "ACCELEROMETER_WALK", "ACCELEROMETER_WHITE"),
+        *("MAGNETOMETER_WHITE", "ORIENTATION_WHITE", "ATTITUDE_SENSOR_WHITE", "SUN_SENSOR_WHITE"),
+        *("SWAY", "VIBRATION", "KICKS"),
+    ]
+    assert [(source.name, int(source)) for source in NoiseSource] == [*zip(names, range(1, 14), strict=True)]
 
 
 @pytest.mark.parametrize("seed", [0, 1, 7, 2**63 - 1])

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import islice
 from typing import Any
 
 import numpy as np
 import pytest
-from reference_noise import normal, words
 from scipy import stats
 from scipy.spatial.transform import Rotation
 from sensor_models import MOTION, at_rest, imu, magnetometer, magnetometer_model, sensors_of, times
 
 from lie_rigid_body.sensors import AttitudeSensor, SunSensor
-from lie_rigid_body.sensors.noise import NoiseSource
 from untyped import simulate
 
 FIELD = [2e-5, -1e-5, 4e-5]
@@ -60,13 +57,6 @@ def test_noise_is_the_density_times_the_root_of_the_rate(rate: float) -> None:
     assert np.abs(errors.var(axis=0) / (4e-16 * rate + 25e-16 / 12.0) - 1.0).max() < 10.0 / np.sqrt(MANY)
     assert magnetometer_model(**settings).variance == pytest.approx(4e-16 * rate + 25e-16 / 12.0)
     assert magnetometer_model().variance == 0.0
-
-
-def test_its_noise_has_deviates_of_its_own() -> None:
-    settings = {"magnetic_field": [0.0, 0.0, 0.0], "magnetometer_noise_density": 0.1, "sensor_seed": 11}
-    read = magnetometer(**settings).measure(times(5), at_rest(5))["field"]
-    drawn = [float(normal(word)) for word in islice(words(11, NoiseSource.MAGNETOMETER_WHITE), 15)]
-    assert read.ravel() == pytest.approx(drawn, rel=1e-14)
 
 
 COUNT = 20_000
@@ -182,13 +172,3 @@ def test_the_sun_is_a_unit_vector_in_the_body() -> None:
     assert np.abs(np.linalg.norm(read, axis=1) - 1.0).max() < 4e-15
     angle = np.linalg.norm(np.cross(read, true), axis=1)
     assert np.sqrt((angle**2).mean() / 2) == pytest.approx(0.01, rel=5 / np.sqrt(4 * COUNT))
-
-
-@pytest.mark.parametrize("cuts", [[1, 2, 3, 700], [256], [500, 501]])
-def test_where_batches_begin_changes_nothing(cuts: list[int]) -> None:
-    sun = sensors_of({"sun_sensor_rate": 1.0, "sun_sensor_noise": 0.01}).sun_sensor
-    for make in (lambda: AttitudeSensor(NOISY), lambda: SunSensor(sun)):
-        sensor, bounds = make(), zip([0, *cuts], [*cuts, 1000], strict=True)
-        parts = [sensor.measure(T[a:b], STATES[a:b], a) for a, b in bounds]
-        for name, whole in make().measure(T[:1000], STATES[:1000]).items():
-            assert np.concatenate([part[name] for part in parts]).tobytes() == whole.tobytes()

@@ -194,11 +194,11 @@ def motion_of(body: RigidBody, start: State) -> BodyMotion:
 
 
 def _steady(body_rate: Sequence[float], attitude: Four) -> Steady:
-    x, y, z = (Decimal(component) for component in body_rate)
-    speed = dot((x, y, z), (x, y, z)).sqrt()
-    a, b, c = (float(component / (speed or 1)) for component in (x, y, z))
+    rate = [Decimal(component) for component in body_rate]
+    speed = dot(rate, rate).sqrt()
+    a, b, c = (float(component / (speed or 1)) for component in rate)
     across = quaternion.product(attitude, (a, b, c, 0.0))
-    return Steady(half_turn_rate(speed), attitude, across, (float(x), float(y), float(z)))
+    return Steady(half_turn_rate(speed), attitude, across, tuple(body_rate))
 
 
 Constants: TypeAlias = tuple[PrincipalFrame, Polhode, Periods, Decimal]

@@ -60,7 +60,7 @@ class KickedClosedForm(KickedMotion):
         return motion
 
     def _free(self, arc: int) -> ClosedForm:
-        attitude = np.array([float(component) for component in self._attitude(arc)])
+        attitude = np.array(self._attitude(arc), np.float64)
         return ClosedForm(self._body, State.trusted(attitude, self._kicks.rate(arc)))
 
     def _attitude(self, wanted: int) -> Rotation:

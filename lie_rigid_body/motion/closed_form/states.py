@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeAlias
 from lie_rigid_body.arithmetic.double_double import DoubleDouble, fast_two_sum, remainder, two_sum
 from lie_rigid_body.arithmetic.elementary import sine_cosine
 from lie_rigid_body.arithmetic.numbers import sqrt
-from lie_rigid_body.motion.closed_form.attitude import AttitudeConstants, Four, Sample, Three
+from lie_rigid_body.motion.closed_form.attitude import AttitudeConstants, Four, Sample
 from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock, turns_from_zero
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta
 
@@ -93,7 +93,7 @@ class Steady(NamedTuple):
     half_turn_rate: DoubleDouble
     attitude: Four
     across: Four
-    body_rate: Three
+    body_rate: tuple[float, ...]
 
     def sample(self, time: DoubleDouble) -> Sample:
         """The state at a time in ns: q₀ ⊗ (axis · sin ½ωt + cos ½ωt)."""

@@ -85,7 +85,7 @@ def preprocessed_inertia(motion: Invariants, terms: int) -> tuple[Series[Any], S
     a, c, s, x, y, z, w = _half_step(motion, terms)
     *_, m1, m3 = motion
     # with the half step mirrored, the whole one has the quaternion (√m₁ρ₁, 0, √m₃ρ₃, 1 − 2t²(m₁x² + m₃z²))
-    sines: Series[Any] = [m1 * p + m3 * q for p, q in zip(_times(x, x), _times(z, z), strict=True)]
+    sines = [m1 * p + m3 * q for p, q in zip(_times(x, x), _times(z, z), strict=True)]
     whole = [w[0], *(-2 * p for p in sines[:-1])]
     turn = [2 * (p - m3 * q) for p, q in zip(_times(w, x), _times(y, z), strict=True)]
     # d₁ = α + βe₁; either of d₁ and d₃ gives α, and the smaller cancels less

@@ -22,6 +22,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.inertia import apply_tensor
+from lie_rigid_body.motion.motion import Samples
 
 DIGITS: Final = 60
 """Decimal digits that the constants of a motion are computed with."""
@@ -74,7 +75,7 @@ class CyclicFrame:
             return [*(given[i] for i in self.order), given[3]]
         return list(quaternion.product(given, self.rotation))
 
-    def outward(self, attitude_xyzw: Array, rate: Array) -> tuple[Array, Array]:
+    def outward(self, attitude_xyzw: Array, rate: Array) -> Samples:
         """The body's attitudes and rates from the frame's, shapes (N, 4) and (N, 3)."""
         if self.rotation is None:
             place = [self.order.index(i) for i in range(3)]
