@@ -271,9 +271,9 @@ def test_few_attitudes_are_a_failure_and_a_large_error_is_no_convergence():
     run: Any = run_of(case)
     last = run.imu.t_ns[-1:]
     crowded = last - np.arange(4000)[::-1] * 1000
-    for stamps in (last, crowded):
-        few = play_case(lambda blind, stamps=stamps: Estimate(run.attitude().at(stamps), stamps), case)[0]
-        assert (few.total_deg, few.failure != "") == (180.0, True)
+    few = play_case(lambda blind: Estimate(run.attitude().at(last), last), case)[0]
+    crowd = play_case(lambda blind: Estimate(run.attitude().at(crowded), crowded), case)[0]
+    assert [(each.total_deg, bool(each.failure)) for each in (few, crowd)] == [(180.0, True)] * 2
     still = play_case(lambda blind: np.tile([0.0, 0.0, 0.0, 1.0], (len(run.imu.t_ns), 1)), case)[0]
     assert (still.total_deg > 20.0, still.converged_s) == (True, None)
 
