@@ -195,7 +195,7 @@ def test_a_case_cannot_be_written():
         judge(in_place)
 
 
-REFUSED = {
+REFUSED: dict[str, Any] = {
     "times: .*steps": lambda t, q, w: (t[:-1], q[:-1], w[:-1]),
     "times: .*the steps": lambda t, q, w: (1.1 * t, q, w),
     "times: .*nan": lambda t, q, w: (np.nan * t, q, w),
