@@ -32,7 +32,7 @@ def line(name: str, mistake: str, kind: str) -> str:
     """What is found of one of them."""
     simulate = engine(name, mistake, kind)
     found = judge(simulate)
-    results = [CaseResults(simulate, case, STEPS) for case in CASES]
+    results = [CaseResults(simulate, case, STEPS[0], STEPS[1] // STEPS[0]) for case in CASES]
     remains = [each.remains(each.truth) for each in results if each.judged]
     named = {f"{each.code} {len(each.cases)}" for each in found.mistakes}
     notes = {f"{each.code} {len(each.cases)}" for each in found.notes}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,8 +19,8 @@ FILE: Final = CONFIG / "conformance" / "1.json"
 """Inputs of each case, with truth at 16 instants that is proved to 1e-40; benchmarks/make_conformance.py made it."""
 _EXPONENT: Final = 32
 """Power of two below which a stretched time stays, s: in nanoseconds it is then an int64."""
-_DIGITS: Final = 53
-"""Bits of a double's mantissa."""
+MotionArrays: TypeAlias = "tuple[Array, Array]"
+"""Attitudes, shape (N, 4), and rates, shape (N, 3)."""
 
 
 @short_dataclass(eq=False)
@@ -73,29 +73,29 @@ class EngineCase:
         State
             Shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
         """
-        return exact_motion(
-            self.inertia, self.attitude_xyzw, self.body_rate, real_array("t_s", t_s, (...,), empty=True)
-        )
+        times = real_array("t_s", t_s, (...,), empty=True)
+        return State(*exact_motion(self.inertia, self.attitude_xyzw, self.body_rate, times))
 
 
-def exact_motion(inertia: Array, attitude_xyzw: Array, body_rate: Array, t_s: Array) -> State:
-    """The exact motion of a body at times in s, of which no digit is lost.
+def exact_motion(inertia: Array, attitude_xyzw: Array, body_rate: Array, t_s: Array) -> MotionArrays:
+    """Exact attitudes and rates of a body at times in s, of which no digit is lost.
 
     Motions of one body differ by the scale of time alone. The closed form takes whole nanoseconds. So time is stretched
     by a power of two, so far that int64 holds it, and rates are reduced by it, exactly.
     """
     exponent = _EXPONENT - math.frexp(float(np.abs(t_s).max(initial=0.0)))[1]
-    mantissas, exponents = np.frexp(t_s.ravel())
-    shifts = (_DIGITS - exponent - exponents).tolist()
-    whole = np.ldexp(mantissas, _DIGITS).astype(np.int64).tolist()
-    t_ns = np.array([m * 10**9 >> n for m, n in zip(whole, shifts, strict=True)], dtype=np.int64)
+    ratios = map(float.as_integer_ratio, np.ldexp(t_s, exponent).ravel().tolist())
+    t_ns = np.array([m * 10**9 // n for m, n in ratios], dtype=np.int64)
     motion = ClosedForm(RigidBody(inertia), State(attitude_xyzw, np.ldexp(body_rate, -exponent)))
     found = motion.at(t_ns.reshape(t_s.shape))
-    return State(found.attitude_xyzw, np.ldexp(found.body_rate, exponent))
+    return found.attitude_xyzw, np.ldexp(found.body_rate, exponent)
 
 
 def _case(row: dict[str, Any]) -> EngineCase:
-    numbers: list[Any] = [np.array(value) if isinstance(value, list) else value for value in row.values()]
+    # broadcast arrays cannot be written: an engine that integrates in place would change the cases
+    numbers: list[Any] = [
+        np.broadcast_to(value, np.shape(value)) if isinstance(value, list) else value for value in row.values()
+    ]
     return EngineCase(*numbers[:-1])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
+from math import inf
 from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from lie_rigid_body.conformance.cases import CASES
 from lie_rigid_body.conformance.mistakes import suspects
 from lie_rigid_body.conformance.results import MAX_DIFFERENCE, STEPS, CaseResults, Simulate, difference
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, shaped
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, shown
@@ -28,8 +29,11 @@ MAX_ORDER: Final = 1.5
 """Orders below this one are the first."""
 MIN_DRIFT: Final = 0.01
 """Smallest change of the energy at the smallest step that is told, though it vanishes with the step."""
+MIN_GROWTH: Final = 1.5
+"""Smallest quotient of the logarithms of energy in the last and second quarter: 2.3 of damping, 1 of wrong units."""
 MAX_SHARE_OFF: Final = 0.1
 """Largest distance from 0 and 1 of the place within a step at which an attitude takes its rate."""
+_UNEXPLAINED: Final = "results do not converge, or to a motion neither exact nor of a known mistake"
 _HEADER: Final = ("case", "order", "error, rad", "energy drift", "momentum drift", "precision")
 
 
@@ -48,7 +52,7 @@ class EngineRow:
         Change from start to end at the smallest step: of the energy, with its sign, and of the momentum in the world's
         axes, each as a share.
     precision : float
-        Of the results: 1e-16 of doubles, 1e-7 of single precision.
+        Of the results: 1e-16 of doubles, 1e-8 to 1e-7 of single precision.
     """
 
     case: str
@@ -84,7 +88,7 @@ class Conformance:
     rows : tuple of EngineRow
     mistakes : tuple of EngineMistake
     notes : tuple of EngineMistake
-        What is no mistake: a low order, and drifts that vanish with the step.
+        No mistakes: a low order, and drifts that vanish with the step.
     """
 
     rows: tuple[EngineRow, ...]
@@ -101,7 +105,7 @@ class Conformance:
         table = ["".join(f"{_cell(value):18}" for value in row).rstrip() for row in rows]
         for kind, found in (("mistake", self.mistakes), ("note", self.notes)):
             table += [f"{kind}: {each.code}: {each.message} ({counted(len(each.cases), 'case')})" for each in found]
-        return "\n".join(table if self.mistakes else [*table, "no mistake found"])
+        return "\n".join(table + ["no mistake found"] * (not self.mistakes))
 
 
 def _cell(value: object) -> str:
@@ -128,25 +132,24 @@ def judge(simulate: Simulate, steps: Sequence[int] | None = None) -> Conformance
     InputError
         If the steps are no such numbers, or the engine does not return a state for every step.
     """
-    given = tuple(STEPS if steps is None else steps)
-    if len(given) != 3 or given[1] % given[0] or given[1] ** 2 != given[0] * given[2] or given[1] <= given[0]:
+    given = shaped("steps", STEPS if steps is None else steps, (3,)).tolist()
+    first = max(1.0, given[0] // 1)
+    ratio = max(2.0, given[1] // first)
+    if given != [first, first * ratio, first * ratio * ratio]:
         raise ParameterError("steps", f"{shown(steps)} are no three such numbers: give for example (20, 40, 80)")
-    found = [CaseResults(simulate, case, given) for case in CASES]
-    wrong = [each for each in found if each.judged and each.remains(each.truth) > MAX_REMAINS]
-    mistakes = list(_wrong_motions(wrong))
-    notes: list[EngineMistake] = []
+    found = [CaseResults(simulate, case, int(first), int(ratio)) for case in CASES]
+    wrong = [each for each in found if each.remains(each.truth) > MAX_REMAINS]
     energies = [_Energy(each) for each in found if each.judged]
-    if not mistakes:
-        stay = [each for each in energies if each.stays]
-        mistakes += [*_drifts(stay, ", and not less with a smaller step"), *_clamped(energies)]
-    if not mistakes:
-        notes += _drifts([each for each in energies if abs(each.fine) > max(MIN_DRIFT, each.floor)], "")
-        mistakes += _low_order(found, "attitude_order")
-    notes += _low_order(found, "first_order")
-    if wrong and not mistakes:
-        what = "at step 0 the motion is another than the exact one, and none of a known mistake"
-        notes.append(EngineMistake("unexplained", what, tuple(each.case.name for each in wrong)))
-    return Conformance(tuple(map(_row, found)), tuple(mistakes), tuple(notes))
+    stay = [each for each in energies if each.stays]
+    mistakes = (
+        tuple(_wrong_motions(wrong))
+        or (*_drifts(stay, ", and not less with a smaller step"), *_clamped(energies))
+        or tuple(_low_order(found, "attitude_order"))
+        or (EngineMistake("unexplained", _UNEXPLAINED, tuple(each.case.name for each in wrong)),) * bool(wrong)
+    )
+    drifting = [each for each in energies if abs(each.fine) > max(MIN_DRIFT, each.floor) and not mistakes]
+    notes = (*_drifts(drifting, ""), *_low_order(found, "first_order"))
+    return Conformance(tuple(map(_row, found)), mistakes, notes)
 
 
 def _row(found: CaseResults) -> EngineRow:
@@ -162,7 +165,7 @@ def _row(found: CaseResults) -> EngineRow:
 def _above(values: Array, floor: Array) -> Judged:
     """The largest of values that are above a floor, with its sign; infinite where one is not finite."""
     if not np.isfinite(values).all():
-        return np.inf
+        return inf
     clear = values[np.abs(values) > floor]
     return float(clear[np.argmax(np.abs(clear))]) if clear.size else NOT_JUDGED
 
@@ -174,9 +177,9 @@ def _wrong_motions(wrong: Iterable[CaseResults]) -> Iterator[EngineMistake]:
         for suspect, motion in suspects(each.case, each.t_s):
             if each.remains(motion) <= MAX_REMAINS:
                 fitting[suspect.code, suspect.message][each.case.name] = None
-    named = max(fitting, key=lambda key: len(fitting[key]), default=None)
-    if named and len(fitting[named]) > 1:
-        yield EngineMistake(*named, tuple(fitting[named]))
+    named, names = max(fitting.items(), key=lambda item: len(item[1]), default=(("", ""), {}))
+    if len(names) > 1:
+        yield EngineMistake(*named, tuple(names))
 
 
 class _Energy:
@@ -184,17 +187,18 @@ class _Energy:
 
     def __init__(self, found: CaseResults) -> None:
         self.found = found
-        last = slice(found.judged - found.judged // 4, found.judged)
-        coarse, middle, fine = found.energy[:, last].mean(axis=1)
+        _, second, _, last = np.array_split(found.energy[:, : found.judged], 4, axis=1)
+        coarse, middle, fine = last.mean(axis=1)
         added, unknown = found.at_step_0(coarse - middle, middle - fine)
-        self.floor = 2.0 * float(found.floor[found.judged - 1])
-        self.fine = float(fine)
+        self.floor = 2.0 * found.floor[found.judged - 1]
+        self.fine = fine
         """Change at the smallest step."""
-        self.a_period = float(fine * found.case.period / found.t_s[last].mean())
+        self.a_period = fine * found.case.period / found.t_s[7 * found.judged // 8]
         limit = abs(fine + added)
         falls = limit <= MAX_REMAINS * (abs(unknown) + self.floor) and abs(fine) < abs(middle)
-        self.stays = bool(min(limit, abs(middle)) > MIN_DRIFT and not falls)
-        """Whether it does not vanish with the step."""
+        grows = fine * (fine + 1.0 - (second[2].mean() + 1.0) ** MIN_GROWTH) > 0.0
+        self.stays = min(limit, abs(middle)) > MIN_DRIFT and grows and not falls
+        """Whether it grows with time, and does not vanish with the step."""
 
 
 def _drifts(energies: Sequence[_Energy], how: str) -> Iterator[EngineMistake]:
@@ -235,12 +239,12 @@ def _low_order(found: Iterable[CaseResults], code: str) -> Iterator[EngineMistak
     """
     known = [each for each in found if each.order is not None]
     part = slice(3 if code == "attitude_order" else 6)
-    low = [each for each in known if (each.order_of(part) or np.inf) < MAX_ORDER]
+    low = [each for each in known if (each.order_of(part) or inf) < MAX_ORDER]
     if 2 * len(low) <= len(known):
         return
     place = float(np.median([_place(each) for each in low]))
     side = "before" if abs(place) < MAX_SHARE_OFF else "after" * (abs(place - 1.0) < MAX_SHARE_OFF)
-    is_attitude = all((each.order_of(slice(3, 6)) or np.inf) > MAX_ORDER for each in low)
+    is_attitude = all((each.order_of(slice(3, 6)) or inf) > MAX_ORDER for each in low)
     if code == "first_order" or (side and is_attitude):
         how = f"the attitude is advanced with the rate {side} the step: " * bool(side)
         yield EngineMistake(code, f"{how}errors fall as the step does", tuple(each.case.name for each in low))

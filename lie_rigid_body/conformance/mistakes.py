@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import permutations, product
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.conformance.cases import EngineCase, exact_motion
+from lie_rigid_body.conformance.cases import EngineCase, MotionArrays, exact_motion
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 
-MotionArrays: TypeAlias = "tuple[Array, Array]"
-"""Attitudes, shape (N, 4), and rates, shape (N, 3)."""
 Turned = Callable[[Array, Array], Array]
 """A rate in other axes, from an attitude and the rate."""
 
@@ -61,8 +59,8 @@ class Suspect(NamedTuple):
     def motion(self, case: EngineCase, t_s: Array) -> MotionArrays:
         """Attitudes and returned rates at times."""
         rate = self.start(case.attitude_xyzw, case.body_rate)
-        found = exact_motion(self.inertia, case.attitude_xyzw, rate, t_s)
-        return found.attitude_xyzw, self.returned(found.attitude_xyzw, found.body_rate)
+        attitude, rate = exact_motion(self.inertia, case.attitude_xyzw, rate, t_s)
+        return attitude, self.returned(attitude, rate)
 
 
 def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[Suspect, MotionArrays]]:
@@ -84,9 +82,8 @@ def _rates_and_gyroscopic_terms(case: EngineCase) -> Iterator[Suspect]:
 
 def _inertias(case: EngineCase) -> Iterator[Suspect]:
     inertia = case.inertia
-    w, x, y, z = case.inertial_frame_wxyz
     R = quaternion.to_matrix(case.attitude_xyzw)
-    P = quaternion.to_matrix(np.array([x, y, z, w]))
+    P = quaternion.to_matrix(np.roll(case.inertial_frame_wxyz, -1))
     diagonal = np.diag(np.diag(inertia))
     found = {
         "the frame of the inertia is inverted": P.T @ np.diag(case.principal_moments) @ P,

@@ -8,17 +8,18 @@ difference of two such extrapolations (L. F. Richardson, Phil. Trans. R. Soc. A 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
+from math import inf
 from typing import Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.conformance.cases import EngineCase, exact_motion
-from lie_rigid_body.conformance.mistakes import MotionArrays, Suspect
-from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.conformance.cases import EngineCase, MotionArrays, exact_motion
+from lie_rigid_body.foundation.arrays import Array, shaped
+from lie_rigid_body.foundation.errors import InputError, ParameterError, describe
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import quaternion
 
 Simulate: TypeAlias = Callable[[EngineCase, float], tuple[ArrayLike, ArrayLike, ArrayLike]]
@@ -57,7 +58,7 @@ class Track(NamedTuple):
     attitude_xyzw : ndarray, shape (N + 1, 4)
         Of unit norm.
     body_rate : ndarray, shape (N + 1, 3)
-        rad/s; NaN from where an engine diverges.
+        rad/s; NaN from where an engine diverges, in attitude or rate.
     """
 
     step: float
@@ -71,23 +72,27 @@ def tracked(simulate: Simulate, case: EngineCase, count: int) -> Track:
     Raises
     ------
     InputError
-        If it does not return a time, an attitude and a rate for every step.
+        If it raises an error, or does not return a time, an attitude and a rate for every step.
     """
     step = case.duration / count
-    t_s, attitude, rate = map(np.asarray, simulate(case, step))
-    first = len(t_s) - count  # 1 where the start is returned as well
-    due = np.arange(1 - first, count + 1)
-    shapes = attitude.shape == (len(t_s), 4) and rate.shape == (len(t_s), 3)
-    if first not in (0, 1) or not shapes or np.abs(t_s / step - due).max() > MAX_OFF:
+    try:
+        given, attitudes, rates = simulate(case, step)
+        t_s = shaped("times", given, ("N",))
+        first = len(t_s) - count  # 1 where the start is returned as well
+        if first not in (0, 1) or not np.allclose(t_s, step * np.arange(1 - first, count + 1), 0.0, MAX_OFF * step):
+            raise ParameterError("times", f"{shown(t_s)} are not those of the steps")
+        attitude = shaped("attitudes", attitudes, (len(t_s), 4))
+        rate = shaped("rates", rates, (len(t_s), 3))
+    except Exception as error:
         raise InputError(
-            f"{case.name}: shapes {t_s.shape}, {attitude.shape}, {rate.shape} for {count} steps of {step:.6g} s: "
-            "return times, attitudes and rates after every step"
-        )
+            f"{case.name}, {count} steps of {step:.6g} s: {describe(error)}. An engine returns times, attitudes and "
+            "body rates after every step"
+        ) from error
     with np.errstate(all="ignore"):  # an engine that diverges
         attitude = quaternion.normalize(np.vstack([case.attitude_xyzw, attitude[first:]]))
         rate = np.vstack([case.body_rate, rate[first:]])
-        lost = np.linalg.norm(rate, axis=1) > MAX_GROWTH * np.linalg.norm(case.body_rate)
-    rate[np.maximum.accumulate(lost | np.isnan(rate[:, 0]))] = np.nan
+        growth = np.linalg.norm(rate, axis=1) * np.linalg.norm(attitude, axis=1) / np.linalg.norm(case.body_rate)
+    rate[np.maximum.accumulate(~(growth <= MAX_GROWTH))] = np.nan
     return Track(step, attitude, rate)
 
 
@@ -101,7 +106,7 @@ def noise(values: Array) -> float:
     ----------
     values : ndarray, shape (N, M)
     """
-    found = np.inf
+    found = inf
     for k in range(1, min(_MAX_LEVEL, len(values) // 2) + 1):
         values = np.diff(values, axis=0)
         median = float(np.median(np.abs(values), axis=0).max())
@@ -122,13 +127,11 @@ class CaseResults:
     ----------
     simulate : callable
     case : EngineCase
-    steps : tuple of 3 int
-        Numbers of steps in a period.
+    steps, ratio : int
+        Number of the largest steps in a period, and quotient of two steps, r.
 
     Attributes
     ----------
-    ratio : int
-        Quotient of two steps, r.
     tracks : list of Track
         The largest step first.
     speed : float
@@ -139,23 +142,23 @@ class CaseResults:
         Attitudes and rates at these times, by steps.
     """
 
-    def __init__(self, simulate: Simulate, case: EngineCase, steps: Sequence[int]) -> None:
+    def __init__(self, simulate: Simulate, case: EngineCase, steps: int, ratio: int) -> None:
         self.case = case
-        self.ratio = steps[1] // steps[0]
+        self.ratio = ratio
         self.speed = float(np.linalg.norm(case.body_rate))
-        count = math.ceil(steps[0] * case.duration / case.period)
-        strides = [self.ratio**i for i in range(3)]
+        count = math.ceil(steps * case.duration / case.period)
+        strides = (1, ratio, ratio**2)
         self.tracks = [tracked(simulate, case, count * stride) for stride in strides]
         self.t_s = self.tracks[0].step * np.arange(count + 1.0)
         self.common = [
-            (track.attitude_xyzw[::stride], track.body_rate[::stride])
-            for track, stride in zip(self.tracks, strides, strict=True)
+            (attitude[::stride], rate[::stride])
+            for (_, attitude, rate), stride in zip(self.tracks, strides, strict=True)
         ]
 
     @cached_property
     def truth(self) -> MotionArrays:
         """The exact attitudes and rates."""
-        return Suspect("", "", self.case.inertia).motion(self.case, self.t_s)
+        return exact_motion(self.case.inertia, self.case.attitude_xyzw, self.case.body_rate, self.t_s)
 
     @cached_property
     def precision(self) -> float:
@@ -179,8 +182,7 @@ class CaseResults:
                 (case.inertia + size * case.principal_moments[2] * np.diag(1.0 - axis), case.body_rate),
             ):
                 near = exact_motion(inertia, case.attitude_xyzw, rate, self.t_s)
-                between = difference(self.truth, (near.attitude_xyzw, near.body_rate), self.speed)
-                parted = np.maximum(parted, np.linalg.norm(between, axis=1))
+                parted = np.maximum(parted, np.linalg.norm(difference(self.truth, near, self.speed), axis=1))
         return np.maximum.accumulate(parted)
 
     @cached_property
@@ -199,11 +201,15 @@ class CaseResults:
     def order_of(self, part: slice) -> float | None:
         """Order of a part of the results: the median of the logᵣ of ratios of differences.
 
-        None where most differences are below the precision.
+        None where most differences are below the precision, or grow as the step falls: that is round-off.
         """
-        coarse, fine = (np.linalg.norm(d[1 : self.judged, part], axis=1) for d in self.differences)
-        clear = fine > self.floor[1 : self.judged]
-        return float(np.median(np.log(coarse / fine)[clear])) / math.log(self.ratio) if clear.mean() > 0.5 else None
+        sizes = np.array([np.linalg.norm(d[1 : self.judged, part], axis=1) for d in self.differences])
+        clear = sizes.min(axis=0) > self.floor[1 : self.judged]
+        if clear.mean() <= 0.5:
+            return None
+        coarse, fine = sizes[:, clear]
+        order = float(np.median(np.log(coarse / fine))) / math.log(self.ratio)
+        return order if order > 0.0 else None
 
     @cached_property
     def order(self) -> float | None:
@@ -219,7 +225,12 @@ class CaseResults:
         return -fine / (R - 1.0), (R * fine - coarse) / (R - 1.0)
 
     def remains(self, motion: MotionArrays) -> float:
-        """Distance at step 0 from a motion, in units of how well that is known: the median over time."""
+        """Distance at step 0 from a motion, in units of how well that is known: the median over time.
+
+        Infinite where the case is not judged, or the engine diverges.
+        """
+        if not self.judged or np.isnan(self.common[-1][1]).any():
+            return inf
         added, unknown = self.at_step_0(*self.differences)
         left = difference(motion, self.common[-1], self.speed) + added
         known_to = np.linalg.norm(unknown, axis=1) + self.floor

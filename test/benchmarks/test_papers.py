@@ -26,3 +26,14 @@ def test_every_number_is_printed_with_its_lines(capsys):
     printed = capsys.readouterr().out
     assert printed.count("published") >= len(papers.PUBLISHED)
     assert "describe(" in printed
+    assert "published -0.035456085277494165 ± 2e-15, ours -0.03545608527749" in printed
+
+
+def test_printed_lines_use_no_constant_of_the_file():
+    constants = {name for name, value in vars(papers).items() if isinstance(value, float | list | tuple)}
+    for published in papers.PUBLISHED:
+        assert not constants & set(published.ours.__code__.co_names), published.name
+
+
+def test_half_twists_are_not_rounded():
+    assert papers.racket() % 0.5 > 0.01

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
 from collections.abc import Collection, Iterable
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,10 +19,17 @@ import pytest
 from judged.own import MISTAKES, ONE_SIDED, RIGHT, engine, exact, expected
 from lie_rigid_body.conformance import CASES, Conformance, judge
 from lie_rigid_body.conformance.results import noise
-from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.errors import InputError, ParameterError
 from sampled import sampled
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "engine" / "free_body.cpp"
+SCRIPT = EXAMPLE.with_name("judge_program.py")
+STILL = """
+import json, sys
+case = json.loads(sys.stdin.readline())
+for n in range(case["steps"]):
+    print((n + 1) * case["step"], *case["attitude_xyzw"], *case["body_rate"], sep=",")
+"""
 ORDERS = (
     dict.fromkeys(RIGHT, 2.0) | dict.fromkeys([name for name in RIGHT if name.endswith("Euler")], 1.0) | {"RK4": 4.0}
 )
@@ -111,9 +120,13 @@ def test_steps_may_be_given():
     assert np.median([row.order for row in found.rows if row.order != "not judged"]) == pytest.approx(2.0, abs=0.1)
 
 
-def test_steps_that_do_not_grow_by_one_factor_are_refused():
-    with pytest.raises(InputError, match="20, 40, 80"):
-        judge(engine("RK4"), steps=(20, 40, 90))
+@pytest.mark.parametrize(
+    "steps",
+    [(20, 40, 90), 20, "abc", (0, 0, 0), (20, 20, 20), (20.5, 41, 82), (20, 50, 125), (-20, 40, -80), (np.nan,) * 3],
+)
+def test_steps_that_do_not_grow_by_one_factor_are_refused(steps):
+    with pytest.raises(ParameterError, match=r"^steps: "):
+        judge(engine("RK4"), steps=steps)
 
 
 def test_an_engine_that_diverges_is_told_so():
@@ -122,23 +135,87 @@ def test_an_engine_that_diverges_is_told_so():
         w[len(w) // 2 :] = np.inf
         return t_s, q, w
 
-    assert {row.error_rad for row in judge(diverges).rows} | {row.energy_drift for row in judge(diverges).rows} >= {
-        np.inf
-    }
+    found = judge(diverges)
+    assert {row.error_rad for row in found.rows} | {row.energy_drift for row in found.rows} >= {np.inf}
+    assert codes(found) == {"unexplained"}
+    assert len(found.mistakes[0].cases) == len(CASES)
 
 
 @pytest.mark.parametrize(
     "wrong",
-    [
-        lambda t, q, w: (t[:-1], q[:-1], w[:-1]),
-        lambda t, q, w: (t, q[:, :3], w),
-        lambda t, q, w: (1.1 * t, q, w),
-        lambda t, q, w: (t, q, w[1:]),
-    ],
+    sampled(
+        [
+            lambda t, q, w: (t, q * np.nan, w),
+            lambda t, q, w: (t, q * np.nan, w * np.nan),
+            lambda t, q, w: (t, 0 * q, w),
+            lambda t, q, w: (t, np.roll(q, 1, axis=1), w),
+            lambda t, q, w: (t, q, np.degrees(w)),
+            lambda t, q, w: (t, q, 0 * w),
+            lambda t, q, w: (t, q, np.where(np.arange(len(t))[:, np.newaxis] < 5, w, np.nan)),
+        ],
+        every=4,
+    ),
 )
-def test_what_is_no_answer_for_every_step_is_refused(wrong):
-    with pytest.raises(InputError, match="tumble"):
-        judge(lambda case, step: wrong(*exact(case, step)))
+def test_another_motion_or_none_is_a_mistake_that_is_unexplained(wrong):
+    found = judge(lambda case, step: wrong(*engine("RK4")(case, step)))
+    assert [mistake.code for mistake in found.mistakes] == ["unexplained"]
+    assert found.notes == ()
+    assert len(found.mistakes[0].cases) == len(CASES)
+    assert "no mistake found" not in str(found)
+
+
+def test_a_start_in_degrees_is_a_mistake():
+    def in_degrees(case, step):
+        return engine("RK4")(replace(case, body_rate=np.degrees(case.body_rate)), step)
+
+    assert codes(judge(in_degrees)) == {"unexplained"}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("first", sampled([200, 100], every=2))
+def test_round_off_is_of_no_order(first):
+    found = judge(engine("RK4", kind="float32"), (first, 2 * first, 4 * first))
+    assert found.mistakes == ()
+    assert found.notes == ()
+    assert all(row.order == "not judged" or row.order > 1.5 for row in found.rows)
+
+
+def test_a_case_cannot_be_written():
+    for case in CASES:
+        arrays = [value for value in vars(case).values() if isinstance(value, np.ndarray)]
+        assert len(arrays) == 7
+        assert not any(array.flags.writeable for array in arrays)
+
+    def in_place(case, step):
+        rate = case.body_rate
+        rate += step
+        return exact(case, step)
+
+    with pytest.raises(InputError, match=r"^tumble, .* read-only"):
+        judge(in_place)
+
+
+REFUSED: dict[str, Any] = {
+    "times: .*steps": lambda t, q, w: (t[:-1], q[:-1], w[:-1]),
+    "times: .*the steps": lambda t, q, w: (1.1 * t, q, w),
+    "times: .*nan": lambda t, q, w: (np.nan * t, q, w),
+    r"times: shape \(\)": lambda t, q, w: (1.0, q, w),
+    "times: .*not numbers": lambda t, q, w: (t.astype(str), q, w),
+    r"attitudes: shape \(162, 3\)": lambda t, q, w: (t, q[:, :3], w),
+    "attitudes: .*equal rows": lambda t, q, w: (t, [*q.tolist()[:-1], [0.0]], w),
+    "attitudes: complex": lambda t, q, w: (t, q + 0j, w),
+    r"rates: shape \(161, 3\)": lambda t, q, w: (t, q, w[1:]),
+    "NoneType": lambda t, q, w: None,
+    "expected 3, got 2": lambda t, q, w: (t, q),
+    "too many": lambda t, q, w: (t, q, w, w),
+    "ZeroDivisionError": lambda t, q, w: (t, q, w / (1 // 0)),
+}
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_what_is_no_answer_for_every_step_is_refused(said):
+    with pytest.raises(InputError, match=rf"^tumble, 162 steps of 0.0987654 s: .*{said}"):
+        judge(lambda case, step: REFUSED[said](*exact(case, step)))
 
 
 def test_everything_is_text_and_numbers():
@@ -162,8 +239,26 @@ def test_the_example_in_another_language_is_right(tmp_path):
         pytest.skip("there is no compiler of C++")
     built = tmp_path / "free_body"
     subprocess.run([compiler, "-O2", "-o", built, EXAMPLE], check=True)
-    script = EXAMPLE.with_name("judge_program.py")
-    printed = subprocess.run([sys.executable, script, built], capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run([sys.executable, SCRIPT, built], capture_output=True, text=True, check=True).stdout
     assert "no mistake found" in printed
     orders = [float(order) for line in printed.splitlines()[1:13] if (order := line.split()[1]) != "not"]
     assert np.median(orders) == pytest.approx(4.0, abs=0.2)
+
+
+PROGRAMS = {
+    "": (2, "give a program"),
+    "import sys; sys.exit(3)": (2, "tumble, 162 steps of 0.0987654 s: .*status 3"),
+    "print('t_s,qx,qy,qz,qw,wx,wy,wz')": (2, "tumble, 162 steps of 0.0987654 s: .*t_s"),
+    "print('0.1,0,0,0,1')": (2, "tumble, 162 steps of 0.0987654 s: .*times"),
+    STILL: (1, "^$"),
+}
+
+
+@pytest.mark.parametrize("code", PROGRAMS)
+def test_a_program_has_a_status_and_at_most_one_line_of_error(code):
+    command = [sys.executable, SCRIPT, *([sys.executable, "-c", code] if code else [])]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    status, said = PROGRAMS[code]
+    assert done.returncode == status
+    assert len(done.stderr.splitlines()) == int(status == 2)
+    assert re.search(said, done.stderr)
