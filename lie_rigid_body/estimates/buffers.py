@@ -10,6 +10,7 @@ import numpy as np
 
 from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import in_order, rising
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, linear
 from lie_rigid_body.foundation.parameters import NS
@@ -54,7 +55,7 @@ def left_out_sentence(reason: str, which: str, stamps_ns: Sequence[int] | Intege
     return _SENTENCES[reason].format(which=which, first=first)
 
 
-def usable(track: AttitudeTrack) -> Booleans:
+def usable(track: AttitudeTrack | Estimate) -> Booleans:
     """Mask of the attitudes that are finite and not zero."""
     finite = np.isfinite(track.attitude_xyzw).all(axis=1)
     norms = quaternion.norm(np.where(finite[:, np.newaxis], track.attitude_xyzw, 0.0))

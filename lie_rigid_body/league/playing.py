@@ -10,9 +10,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from lie_rigid_body.estimates.buffers import usable
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import bias_error
-from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import period_ns
 from lie_rigid_body.evaluation.causes import BY_CODE
 from lie_rigid_body.evaluation.matched import Matched, error_of
@@ -118,8 +118,7 @@ def play_case(estimate: Estimator, case: Case, constant: Constant | None = None)
     due_ns = run.sensors["imu"].t_ns
     try:
         found = called(estimate, BlindRun.without_truth(run), SETTLED_S)
-        norms = quaternion.norm(found.attitude_xyzw)
-        found = found[(norms >= MIN_NORM) & np.isfinite(norms)]
+        found = found[usable(found)]
         late_ns = due_ns[due_ns - begin_ns >= SETTLED_S * 1e9]
         half_ns = period_ns(due_ns) // 2
         ends = np.searchsorted(found.t_ns, late_ns + half_ns, side="right")
