@@ -243,16 +243,16 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
         return number, mistake, "no effect", ""
     watched.search.run()
     found = watched.search.choice()
-    deaf = {SENSOR_READINGS[sensor] for sensor in watched.search.deaf}
-    if put.readings and {*put.readings} <= deaf:  # what is left is a constant turn of the world
-        return number, mistake, "first answer", f"{watched.search.runs} runs"
-    if not found:
-        return number, mistake, "nothing", f"{watched.search.runs} runs"
     told = any(
         sorted(set(trial.codes) - {"gyro_scale"}) == sorted(put.codes)
         or (set(trial.codes) < set(put.codes) and trial.error <= watched.search.floor)
         for trial in found
     )
+    deaf = {SENSOR_READINGS[sensor] for sensor in watched.search.deaf}
+    if put.readings and {*put.readings} <= deaf and not told:  # what is left is a constant turn of the world
+        return number, mistake, "first answer", f"{watched.search.runs} runs"
+    if not found:
+        return number, mistake, "nothing", f"{watched.search.runs} runs"
     what = f"{' + '.join(found[0].codes)}, {np.degrees(found[0].error):.2g}°, {watched.search.runs} runs"
     return number, mistake, "named" if told else "other", what
 

@@ -34,6 +34,7 @@ MISTAKES: Final = {
     "": "",
     "no gyroscopic term": "gyroscopic_term_missing",
     "no gyroscopic term, world rates returned": "gyroscopic_term_missing",
+    "gyroscopic term of the opposite sign": "gyroscopic_term_sign",
     "body rate given as world rate": "rate_axes",
     "world rate given as body rate": "rate_axes",
     "world rates returned": "rate_axes",
@@ -210,6 +211,13 @@ def rk4_rate_after(world, q, w, h):
 
 
 @compiled
+def rk4_derivative_after(world, q, w, h):
+    """As engines write it: q += h/2 q w, and then the norm."""
+    after = rk4(world, q, w, h)[1]
+    return unit(plus(q, h, derivative(q, after))), after
+
+
+@compiled
 def stepped(stepper, world, q, w, h, attitudes, rates, factor, size):
     """Steps into two arrays; with a size, the norm of the momentum is held at it."""
     for n in range(len(rates)):
@@ -233,7 +241,11 @@ RIGHT: Final[dict[str, Any]] = {
     "Newmark": newmark,
     "RK4": rk4,
 }
-ONE_SIDED: Final[dict[str, Any]] = {"RK4, rate before": rk4_rate_before, "RK4, rate after": rk4_rate_after}
+ONE_SIDED: Final[dict[str, Any]] = {
+    "RK4, rate before": rk4_rate_before,
+    "RK4, rate after": rk4_rate_after,
+    "RK4, derivative of the rate after": rk4_derivative_after,
+}
 STEPPERS: Final = RIGHT | ONE_SIDED
 
 
@@ -255,7 +267,7 @@ def _inertias(case: EngineCase) -> dict[str, Array]:
 def simulate(case: EngineCase, step: float, *, stepper: str, mistake: str = "", kind: str = "float64") -> Answer:
     """An integrator, right or with a mistake."""
     M = _inertias(case).get(mistake, case.inertia).astype(kind)
-    gyroscopic = 0.0 if mistake.startswith("no gyroscopic") else 1.0
+    gyroscopic = 0.0 if mistake.startswith("no gyroscopic") else -1.0 if mistake.startswith("gyroscopic") else 1.0
     damping = {"damping": DAMPING, "negative damping": -DAMPING}.get(mistake, 0.0) / case.period
     factor = 1.0 - DAMPING_OF_A_STEP * (mistake == "damping at each step")
     size = float(np.linalg.norm(case.inertia @ case.body_rate)) * (mistake == "momentum clamped")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
@@ -31,8 +32,9 @@ MIN_DRIFT: Final = 0.01
 """Smallest change of the energy at the smallest step that is told, though it vanishes with the step."""
 MIN_GROWTH: Final = 1.5
 """Smallest quotient of the logarithms of energy in the last and second quarter: 2.3 of damping, 1 of wrong units."""
-MAX_SHARE_OFF: Final = 0.1
-"""Largest distance from 0 and 1 of the place within a step at which an attitude takes its rate."""
+MAX_SHARE_OFF: Final = 0.25
+"""Largest distance of the rate of the rotation of a step from the rate at an end, as a share of the rate's change:
+nearer to the end than to the middle."""
 _UNEXPLAINED: Final = "results do not converge, or to a motion neither exact nor of a known mistake"
 _HEADER: Final = ("case", "order", "error, rad", "energy drift", "momentum drift", "precision")
 
@@ -159,7 +161,9 @@ def _row(found: CaseResults) -> EngineRow:
     error, energy, momentum = (
         _above(values[here], found.floor[here]) for values in (errors, found.energy[-1], momenta)
     )
-    return EngineRow(found.case.name, found.order or NOT_JUDGED, error, energy, momentum, found.precision)
+    return EngineRow(
+        found.case.name, found.order if found.order < inf else NOT_JUDGED, error, energy, momentum, found.precision
+    )
 
 
 def _above(values: Array, floor: Array) -> Judged:
@@ -174,9 +178,9 @@ def _wrong_motions(wrong: Iterable[CaseResults]) -> Iterator[EngineMistake]:
     """The mistake to whose motion an engine that is wrong converges in most cases, and in more than one."""
     fitting: defaultdict[tuple[str, str], dict[str, None]] = defaultdict(dict)
     for each in wrong:
-        for suspect, motion in suspects(each.case, each.t_s):
+        for told, motion in suspects(each.case, each.t_s):
             if each.remains(motion) <= MAX_REMAINS:
-                fitting[suspect.code, suspect.message][each.case.name] = None
+                fitting[told][each.case.name] = None
     named, names = max(fitting.items(), key=lambda item: len(item[1]), default=(("", ""), {}))
     if len(names) > 1:
         yield EngineMistake(*named, tuple(names))
@@ -235,28 +239,26 @@ def _side(energy: _Energy) -> float:
 def _low_order(found: Iterable[CaseResults], code: str) -> Iterator[EngineMistake]:
     """Errors of first order in most cases, and which rate of a step the attitude takes.
 
-    As ``attitude_order`` it is told where the attitude alone is of first order, as it takes the rate of one end.
+    As ``attitude_order`` it is told where the attitude takes the rate of one end, and rates are of a higher order.
     """
-    known = [each for each in found if each.order is not None]
-    part = slice(3 if code == "attitude_order" else 6)
-    low = [each for each in known if (each.order_of(part) or inf) < MAX_ORDER]
-    if 2 * len(low) <= len(known):
-        return
-    place = float(np.median([_place(each) for each in low]))
-    side = "before" if abs(place) < MAX_SHARE_OFF else "after" * (abs(place - 1.0) < MAX_SHARE_OFF)
-    is_attitude = all((each.order_of(slice(3, 6)) or inf) > MAX_ORDER for each in low)
-    if code == "first_order" or (side and is_attitude):
-        how = f"the attitude is advanced with the rate {side} the step: " * bool(side)
+    known = [each for each in found if each.order < inf]
+    low = [each for each in known if each.order < MAX_ORDER]
+    if code == "attitude_order":
+        low = [each for each in known if _end(each) and each.orders[1] > MAX_ORDER]
+    if 2 * len(low) > len(known):
+        end = statistics.mode(map(_end, low))
+        how = f"the attitude is advanced with the rate {end} the step: " * bool(end)
         yield EngineMistake(code, f"{how}errors fall as the step does", tuple(each.case.name for each in low))
 
 
-def _place(found: CaseResults) -> float:
-    """Place within a step at which an attitude takes its rate: 0 before, ½ in the middle, 1 after.
+def _end(found: CaseResults) -> str:
+    """The end of a step whose rate the attitude takes: before or after it; empty where it is neither.
 
-    The rate of the rotation of a step, log(qₙ⁻¹ qₙ₊₁)/h, is (1 − a) ωₙ + a ωₙ₊₁ by least squares over all steps.
+    The rate of the rotation of a step, log(qₙ⁻¹ qₙ₊₁)/h, is then nearer to it than by a share of the rate's change.
     """
     step, q, rate = found.tracks[-1]
     here = slice((found.judged - 1) * found.ratio**2)
     turned = quaternion.log(quaternion.multiply(quaternion.conjugate(q[:-1]), q[1:])) / step
-    change = np.diff(rate, axis=0)[here]
-    return float(np.sum((turned - rate[:-1])[here] * change) / np.sum(change**2))
+    ends = {"before": rate[:-1], "after": rate[1:]}
+    near = MAX_SHARE_OFF * np.linalg.norm((ends["after"] - ends["before"])[here])
+    return next((end for end, taken in ends.items() if np.linalg.norm((turned - taken)[here]) < near), "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import permutations, product
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -38,53 +38,36 @@ RETURNS: Final[dict[str, Turned]] = {
 }
 
 
-class Suspect(NamedTuple):
-    """A mistake, with its motion of a case.
+def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[tuple[str, str], MotionArrays]]:
+    """Codes and messages of every mistake that some body could have in a case, with its motion; the usual ones first.
 
-    Attributes
-    ----------
-    code, message : str
-    inertia : ndarray, shape (3, 3)
-        Tensor with which the body moves, kg m².
-    start, returned : callable
-        Rate with which it starts and which is returned, from the attitude and the right one.
+    The attitudes and returned rates are those at given times, s.
     """
-
-    code: str
-    message: str
-    inertia: Array
-    start: Turned = _same
-    returned: Turned = _same
-
-    def motion(self, case: EngineCase, t_s: Array) -> MotionArrays:
-        """Attitudes and returned rates at times."""
-        rate = self.start(case.attitude_xyzw, case.body_rate)
-        attitude, rate = exact_motion(self.inertia, case.attitude_xyzw, rate, t_s)
-        return attitude, self.returned(attitude, rate)
-
-
-def suspects(case: EngineCase, t_s: Array) -> Iterator[tuple[Suspect, MotionArrays]]:
-    """Every mistake that some body could have in a case, with its motion; the more usual ones first."""
-    for suspect in (*_rates_and_gyroscopic_terms(case), *_inertias(case)):
-        with suppress(ParameterError):  # no body has this inertia
-            yield suspect, suspect.motion(case, t_s)
-
-
-def _rates_and_gyroscopic_terms(case: EngineCase) -> Iterator[Suspect]:
-    """A body without the gyroscopic term keeps its rate, as a sphere does."""
     for (at_start, start), (at_return, returned) in product(STARTS.items(), RETURNS.items()):
-        axes = f"{at_start}; {at_return}".strip("; ")
-        if axes:
-            yield Suspect("rate_axes", axes, case.inertia, start, returned)
-        what = f"the rate stays as at the start, as of a sphere; {axes}".strip("; ")
-        yield Suspect("gyroscopic_term_missing", what, np.eye(3), start, returned)
+        for code, what, inertia in _bodies(case):
+            with suppress(ParameterError):  # no body has this inertia
+                rate = start(case.attitude_xyzw, case.body_rate)
+                attitude, rate = exact_motion(0.5 * (inertia + inertia.T), case.attitude_xyzw, rate, t_s)
+                message = "; ".join(filter(None, (what, at_start, at_return)))
+                yield (code, message), (attitude, returned(attitude, rate))
 
 
-def _inertias(case: EngineCase) -> Iterator[Suspect]:
+def _bodies(case: EngineCase) -> Iterator[tuple[str, str, Array]]:
+    """Codes and messages of bodies that an engine could take for that of a case, with their inertia.
+
+    The first is that of the case. Without the gyroscopic term a body keeps its rate, as a sphere does. Moments
+    Iᵢ (tr I − 2 Iᵢ) turn the sign of each (Iⱼ − Iₖ)/Iᵢ in Euler's equations.
+    """
     inertia = case.inertia
     R = quaternion.to_matrix(case.attitude_xyzw)
     P = quaternion.to_matrix(np.roll(case.inertial_frame_wxyz, -1))
     diagonal = np.diag(np.diag(inertia))
+    yield "rate_axes", "", inertia
+    yield "gyroscopic_term_missing", "the rate stays as at the start, as of a sphere", np.eye(3)
+    opposite = inertia @ (np.trace(inertia) * np.eye(3) - 2.0 * inertia)
+    yield "gyroscopic_term_sign", "the gyroscopic term has the opposite sign", opposite
+    for moments in permutations(case.principal_moments.tolist()):
+        yield "inertia_axes", "the principal moments are taken along the body's axes", np.diag(moments)
     found = {
         "the frame of the inertia is inverted": P.T @ np.diag(case.principal_moments) @ P,
         "products of inertia are left out": diagonal,
@@ -92,7 +75,5 @@ def _inertias(case: EngineCase) -> Iterator[Suspect]:
         "the inertia is taken to be in the world's axes at the start": R.T @ inertia @ R,
         "the inertia is turned by the attitude at the start": R @ inertia @ R.T,
     }
-    for moments in permutations(case.principal_moments.tolist()):
-        yield Suspect("inertia_axes", "the principal moments are taken along the body's axes", np.diag(moments))
     for message, wrong in found.items():
-        yield Suspect("inertia_axes", message, 0.5 * (wrong + wrong.T))
+        yield "inertia_axes", message, wrong

@@ -198,30 +198,33 @@ class CaseResults:
         count = int(np.cumprod(np.maximum.reduce([*sizes, self.floor]) < MAX_DIFFERENCE).sum())
         return count if count >= MIN_INSTANTS else 0
 
-    def order_of(self, part: slice) -> float | None:
-        """Order of a part of the results: the median of the logᵣ of ratios of differences.
-
-        None where most differences are below the precision, or grow as the step falls: that is round-off.
-        """
-        sizes = np.array([np.linalg.norm(d[1 : self.judged, part], axis=1) for d in self.differences])
-        clear = sizes.min(axis=0) > self.floor[1 : self.judged]
-        if clear.mean() <= 0.5:
-            return None
-        coarse, fine = sizes[:, clear]
-        order = float(np.median(np.log(coarse / fine))) / math.log(self.ratio)
-        return order if order > 0.0 else None
-
     @cached_property
-    def order(self) -> float | None:
-        """Order of attitude and rate together; None where it is not judged."""
-        return self.order_of(slice(6)) if self.judged else None
+    def orders(self) -> tuple[float, float]:
+        """Orders of the attitude and of the rate: medians of the logᵣ of ratios of differences.
+
+        Infinite where most differences are below the precision, or grow as the step falls: that is round-off.
+        """
+        return self._order(slice(3)), self._order(slice(3, 6))
+
+    def _order(self, part: slice) -> float:
+        coarse, fine = (np.linalg.norm(each[1 : self.judged, part], axis=1) for each in self.differences)
+        clear = np.minimum(coarse, fine) > self.floor[1 : self.judged]
+        if not self.judged or clear.mean() <= 0.5:
+            return inf
+        order = float(np.median(np.log(coarse[clear] / fine[clear]))) / math.log(self.ratio)
+        return order if order > 0.0 else inf
+
+    @property
+    def order(self) -> float:
+        """The lower order of attitude and rate; infinite where it is not judged."""
+        return min(self.orders)
 
     def at_step_0(self, coarse: Array, fine: Array) -> MotionArrays:
         """Addition to the result at the smallest step, and how well it is known, from two differences.
 
         The order is taken as the nearest whole one, from 1 on.
         """
-        R = float(self.ratio ** max(1, round(self.order or 1.0)))
+        R = float(self.ratio ** max(1, round(self.order if self.order < inf else 1.0)))
         return -fine / (R - 1.0), (R * fine - coarse) / (R - 1.0)
 
     def remains(self, motion: MotionArrays) -> float:

@@ -97,6 +97,16 @@ def test_an_attitude_that_takes_the_rate_of_one_end_is_named(name, kind):
     assert name.rpartition(" ")[2] in found.mistakes[0].message
 
 
+def test_rates_of_the_middle_of_a_step_are_of_first_order():
+    def staggered(case, step):
+        t_s = step * np.arange(1, round(case.duration / step) + 1)
+        return t_s, case.truth(t_s).attitude_xyzw, case.truth(t_s - step / 2).body_rate
+
+    found = judge(staggered)
+    assert codes(found) == set()
+    assert {note.code for note in found.notes} == {"first_order"}
+
+
 def test_an_engine_without_error_is_not_judged():
     found = judge(exact)
     assert codes(found) == set()
