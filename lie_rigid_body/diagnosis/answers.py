@@ -12,8 +12,8 @@ import numpy as np
 from lie_rigid_body.diagnosis.course import Course, readings
 from lie_rigid_body.diagnosis.outputs import CODED
 from lie_rigid_body.diagnosis.repairs import Repairs
+from lie_rigid_body.estimates.buffers import usable
 from lie_rigid_body.estimates.estimators import Estimator, called
-from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import IDENTITY, undone
 from lie_rigid_body.evaluation.estimate import Estimate
@@ -30,8 +30,6 @@ STILL: Final = math.radians(0.01)
 """Largest change of the mean answer from one second at rest to the next, rad, of a filter that has settled."""
 CALM: Final = 5
 """Number of such seconds after which it has settled."""
-MAX_NORM: Final = math.sqrt(np.finfo(np.float64).max)
-"""Norm of a quaternion from which its square is beyond float64."""
 
 
 @short_dataclass(eq=False)
@@ -44,7 +42,7 @@ class Answer:
         Repaired and normalised attitudes of the part of the course that counts, beside the truth; the identity where
         one is broken.
     broken : ndarray of int64
-        Numbers of the samples that are zero, or whose norm has no finite square.
+        Numbers of the samples whose attitudes no score can use.
     given : Estimate
         Estimate as the filter returned it, of the same part.
     settled_s : float
@@ -98,8 +96,7 @@ class Job:
         for repair in self.repairs:
             given = repair.change(given) if repair.change else given
         found = called(estimate, given.run(), course.settle_s + course.counted_s / 3.0)
-        norms = quaternion.norm(found.attitude_xyzw)
-        broken = ~((norms > MIN_NORM) & (norms < MAX_NORM))
+        broken = ~usable(found)
         attitude = quaternion.normalize(np.where(broken[:, np.newaxis], IDENTITY, found.attitude_xyzw))
         rest = found.t_ns < 10**9 * int(course.settle_s + course.rest_s)
         counted = slice(int(np.searchsorted(found.t_ns, course.begin_ns)), None)
