@@ -150,9 +150,13 @@ class Findings:
     marks: list[Mark] = field(default_factory=list)
     changes: defaultdict[str, Change] = field(default_factory=lambda: defaultdict(Change))
 
-    def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
-        """Add a mistake; ``more`` are fields of `LogMistake`."""
+    def name(
+        self, code: str, sensor: str, message: str, repair: str = "", undone: Array | float = 1.0, **more: Any
+    ) -> None:
+        """Add a mistake, and the factor or the matrix by which it is undone; ``more`` are fields of `LogMistake`."""
         self.mistakes.append(LogMistake(code, sensor, message, repair, **more))
+        change = self.changes[sensor]
+        change.matrix = np.dot(undone, change.matrix)
 
     def ask(self, code: str, why: str) -> None:
         """Add what is undecided; of each code the first."""

@@ -11,8 +11,7 @@ import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth
 from lie_rigid_body.evaluation.attitudes import period_ns
-from lie_rigid_body.evaluation.gyro import GyroFit
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers, linear
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
@@ -30,7 +29,6 @@ from lie_rigid_body.inspection.stamps import (
     tell_broken_axes,
     tell_range_and_resolution,
 )
-from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
 
@@ -70,7 +68,7 @@ class Inspection(Shown):
     marks: tuple[Mark, ...]
     stamps: Mapping[str, Integers]
     _changes: Mapping[str, Change]
-    _truth: GyroFit | None = None
+    _truth: SampledTruth | None = None
 
     def __str__(self) -> str:
         """Lines that ``inspect`` prints."""
@@ -101,22 +99,15 @@ class Inspection(Shown):
             if key in self.stamps and getattr(sensors[key], name) is not None:
                 change = self._changes[sensor]
                 t_ns = self.stamps[key]
+                late_ns = round(change.delay_s * NS)
                 readings = change.applied(getattr(sensors[key], name))
                 if key == sensor:
-                    t_ns = t_ns - round(change.delay_s * NS)
-                elif change.delay_s:  # the stamps of an IMU are common
-                    since = t_ns - t_ns[0]
-                    later = since + change.delay_s * NS
-                    readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
+                    t_ns = t_ns - late_ns
+                elif late_ns:  # the stamps of an IMU are common
+                    readings = linear(t_ns + late_ns, t_ns, readings)
                 sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
         run = replace(self.run, sensors=sensors)
-        known = self.run.given_truth
-        if known is None or self._truth is None or not any(each.sensor == "truth" for each in self.mistakes):
-            return run
-        t_ns = known.stamps_ns - round(self._truth.late_s * NS)
-        return run.with_truth(
-            SampledTruth(t_ns, quaternion.multiply(known.at(known.stamps_ns), self._truth.mounting_xyzw))
-        )
+        return run if self._truth is None else run.with_truth(self._truth)
 
 
 def inspect(run: Run | str | Path) -> Inspection:
@@ -144,7 +135,7 @@ def inspect(run: Run | str | Path) -> Inspection:
     found = Findings()
     stamps = _stamps(run, found)
     every = {
-        sensor: Stream.of(sensor, stamps[key], readings)
+        sensor: Stream(sensor, stamps[key], readings)[np.isfinite(readings).all(axis=1)]
         for sensor, (key, name) in READINGS.items()
         if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
     }
@@ -165,7 +156,7 @@ def inspect(run: Run | str | Path) -> Inspection:
     if comparison is not None:
         tell_mistakes(comparison, found)
     if "magnetometer" in streams:
-        tell_unit_of_field(streams["magnetometer"], comparison, found)
+        tell_unit_of_field(streams["magnetometer"].readings, comparison, found)
     truth = None
     if run.given_truth is not None and "gyro" in streams:
         truth = report_truth(found, streams["gyro"].changed(found.changes["gyro"]), run.given_truth)
@@ -197,7 +188,7 @@ def _declared(run: Run) -> dict[str, Array]:
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
-    keys = {key for key, _ in READINGS.values()}
+    keys = "imu", "magnetometer"
     given = {key: each.t_ns for key, each in run.sensors.items() if key in keys and len(each.t_ns) > 1}
     widest = max(given.values(), key=np.ptp, default=np.zeros(1, dtype=np.int64))
     if len(given) == 2 and np.array_equal(given["imu"], given["magnetometer"]):

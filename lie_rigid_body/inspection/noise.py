@@ -57,17 +57,20 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     return int(gyro.t_ns[first * size]), int(gyro.t_ns[(last + 1) * size - 1])
 
 
+def _rounding(values: Array) -> float:
+    """Variance of rounding to the resolution of values."""
+    return (resolution(values) or 0.0) ** 2 / 12.0
+
+
 def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
     """Name declared variances that the scatter at rest contradicts; rounding scatters as well."""
-    rounding = (resolution(still.readings.ravel()) or 0.0) ** 2 / 12.0
-    scatter = np.maximum(still.readings.var(axis=0), rounding)
+    scatter = np.maximum(still.readings.var(axis=0), _rounding(still.readings.ravel()))
     known = (declared > 0.0) & (scatter > 0.0)
     ratios = scatter[known] / declared[known]
     if not ratios.size or np.abs(np.log(ratios)).max() <= np.log(MAX_VARIANCE_RATIO):
         return
     text = f"the {still.sensor} declares variances of ({numerals(declared)}), and scatters by ({numerals(scatter)})"
-    repair = ", ".join(f"{value:.3g}" for value in scatter)
-    found.name("covariance", still.sensor, f"{text} at rest", f"variances of {repair}")
+    found.name("covariance", still.sensor, f"{text} at rest", f"variances of {numerals(scatter, 3)}")
 
 
 def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], found: Findings) -> None:
@@ -92,10 +95,11 @@ def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], fou
         if name in declared:
             _judge_variance(still, declared[name], found)
         step_s = still.step_s
-        if len(still.t_ns) * step_s < MIN_REST_S or not np.ptp(still.readings, axis=0).any():
+        seconds = len(still.t_ns) * step_s
+        if seconds < MIN_REST_S or not np.ptp(still.readings, axis=0).any():
             continue
         measured = allan(still.readings, step_s)
-        grid = (resolution(stream.readings[:, 0]) or 0.0) ** 2 / 12.0 * step_s / measured.tau_s
+        grid = _rounding(stream.readings[:, 0]) * step_s / measured.tau_s
         if np.any(grid > measured.variance / 2.0):
             continue  # the resolution hides the noise
         told = density(measured._replace(variance=measured.variance - grid))
@@ -105,6 +109,5 @@ def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], fou
         if told.walk:
             found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)
         if name == "gyro":
-            seconds = len(still.t_ns) * step_s
             error = np.sqrt(told.white**2 / seconds + told.walk**2 * seconds / 3.0)
             found.estimate("gyro_bias", still.readings.mean(axis=0), np.full(3, error))

@@ -7,7 +7,7 @@ simulated ones. `benchmarks/inspection.py` measures them again.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -66,31 +66,18 @@ TURNS: Final[Array] = SIGNED_PERMUTATIONS[np.linalg.det(SIGNED_PERMUTATIONS) > 0
 told, so that those of determinant −1 are the same."""
 
 
-class Gyro(NamedTuple):
-    """A hypothesis about the gyro: the true rate is what it reads, times sign and factor."""
-
-    sign: int
-    factor: float
-
-    @property
-    def multiplier(self) -> float:
-        """Factor with its sign."""
-        return self.sign * self.factor
-
-
-RIGHT: Final = Gyro(1, 1.0)
-"""A gyro without mistake."""
+RIGHT: Final = 1.0
+"""Multiplier of a gyro without mistake. Every hypothesis about the gyro is a multiplier: of what it reads, by sign and
+factor, to the true rate."""
 DEGREE: Final = float(np.pi / 180.0)
 """Radians of a degree."""
 GYRO_UNITS: Final = {"": 1.0, "× π/180": DEGREE, "× 180/π": 1.0 / DEGREE}
 """Factors of the gyro that are those of units, by their repairs."""
 _FACTORS: Final = (*GYRO_UNITS.values(), *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
-GYROS: Final = tuple(Gyro(sign, factor) for factor in _FACTORS for sign in (1, -1))
-"""Gyros of the first screening: units, and quarter octaves up to four octaves."""
-NO_DELAYS_S: Final = (0.0, -0.02, 0.02)
-"""Delays that are none, s."""
-DELAYS_S: Final = (*NO_DELAYS_S, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
-"""Delays of the scan, s."""
+GYROS: Final = tuple(sign * factor for factor in _FACTORS for sign in (1.0, -1.0))
+"""Multipliers of the first screening: units, and quarter octaves up to four octaves."""
+DELAYS_S: Final = (0.0, -0.02, 0.02, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
+"""Delays of the scan, s; the first three are none."""
 MAX_DELAY_S: Final = max(DELAYS_S)
 """Longest of them, s."""
 REFINED_LOG_FACTOR: Final = 0.02

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from heapq import nlargest
 from itertools import chain, product
@@ -23,7 +23,6 @@ from lie_rigid_body.inspection.rule import (
     MIN_SHARE_LEFT,
     RIGHT,
     TURNS,
-    Gyro,
 )
 from lie_rigid_body.inspection.world import Vector, gram
 
@@ -34,14 +33,14 @@ class Misfits(Vector):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self._chosen = 0
-        self._found: dict[tuple[Gyro, float], Array] = {}
+        self._found: dict[tuple[float, float], Array] = {}
 
     @property
     def length_s(self) -> float:
         """Length of the windows, s, in which the best hypothesis stands out most."""
         return self.lengths_s[self._chosen]
 
-    def add(self, gyro: Gyro, delay_s: float = 0.0) -> None:
+    def add(self, gyro: float, delay_s: float = 0.0) -> None:
         """Try all turns with one gyro and one delay, s, in windows of each length."""
         windows = self.windows(gyro, delay_s, *self.lengths_s)
         self._found[gyro, delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
@@ -51,7 +50,7 @@ class Misfits(Vector):
         """How well a usual hypothesis fits, in windows of each length: the median of the first ones."""
         return np.asarray(np.median([self._found[gyro, 0.0] for gyro in GYROS], axis=(0, 2)))
 
-    def contrast(self, gyro: Gyro) -> float:
+    def contrast(self, gyro: float) -> float:
         """How much better than a usual hypothesis a gyro fits at best."""
         every = [misfits.min(axis=1) for (tried, _), misfits in self._found.items() if tried == gyro]
         return float(np.max(self._usual / every))
@@ -71,7 +70,7 @@ class Misfits(Vector):
             merits.append((left > MIN_SHARE_LEFT, self._usual[i] / least, i))
         self._chosen = max(merits)[2]
 
-    def by_delay(self, gyro: Gyro) -> tuple[Array, Array]:
+    def by_delay(self, gyro: float) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
         delays = sorted(delay_s for tried, delay_s in self._found if tried == gyro)
         return np.array(delays), np.array([self._found[gyro, delay][self._chosen] for delay in delays])
@@ -81,11 +80,11 @@ class Misfits(Vector):
         """Misfit without a repair."""
         return float(self._found[RIGHT, 0.0][self._chosen, 0])
 
-    def turns(self, gyro: Gyro) -> Integers:
+    def turns(self, gyro: float) -> Integers:
         """Turns that are not excluded with a gyro."""
         return np.flatnonzero(self.by_delay(gyro)[1].min(axis=0) <= EXCLUDED * self.best()[0])
 
-    def scan(self, gyro: Gyro) -> None:
+    def scan(self, gyro: float) -> None:
         """Try all delays with a gyro, and one near the best of them, where the misfit of its turn is least."""
         for delay in DELAYS_S:
             self.add(gyro, delay)
@@ -102,27 +101,20 @@ class Fitting(NamedTuple):
     Attributes
     ----------
     misfits : Misfits
-    gyro : Gyro
+    gyro : float
+        Its multiplier.
     turn : int
         Index in `TURNS`.
     delay_s : float
     ratio : float
         Misfit over the least one of this vector.
-    is_late : bool
-        Whether the delay is a repair.
     """
 
     misfits: Misfits
-    gyro: Gyro
+    gyro: float
     turn: int
     delay_s: float
     ratio: float = 1.0
-    is_late: bool = False
-
-    @property
-    def sensor(self) -> str:
-        """Sensor of the vector."""
-        return self.misfits.sensor
 
     def means(self, length_s: float) -> Array:
         """Mean vectors in the world, as shares of the readings, shape (W, 3)."""
@@ -142,28 +134,25 @@ class Fitting(NamedTuple):
         return minimum(lambda delay_s: self._replace(delay_s=delay_s).squares(length_s), self.delay_s, step_s, moves)
 
 
-def search(found: Sequence[Misfits], more: Sequence[Gyro] = ()) -> None:
-    """Try every gyro without delay, and the likely ones with all delays.
-
-    Parameters
-    ----------
-    found : sequence of Misfits
-        Of each vector.
-    more : sequence of Gyro
-        Likely gyros, if those of `GYROS` were tried.
-    """
-    for gyro, each in product(() if more else GYROS, found):
+def search(found: Sequence[Misfits]) -> None:
+    """Try every gyro of `GYROS` without delay, and the likely ones with all delays."""
+    for gyro, each in product(GYROS, found):
         each.add(gyro)
-    for gyro, each in product(more or _likely(found), found):
+    scan(found, _likely(found))
+
+
+def scan(found: Sequence[Misfits], gyros: Iterable[float]) -> None:
+    """Try gyros with all delays, after those of `GYROS`."""
+    for gyro, each in product(gyros, found):
         each.scan(gyro)
     for each in found:
         each.choose_length()
 
 
-def _likely(found: Sequence[Misfits]) -> tuple[Gyro, ...]:
+def _likely(found: Sequence[Misfits]) -> Iterable[float]:
     """The two gyros that fit best all vectors, and each, and the right one."""
     best = [
         nlargest(2, GYROS, key=lambda gyro: float(np.prod([each.contrast(gyro) for each in group])))
         for group in (found, *([each] for each in found))
     ]
-    return tuple(dict.fromkeys([*chain(*best), RIGHT]))
+    return dict.fromkeys([*chain(*best), RIGHT])

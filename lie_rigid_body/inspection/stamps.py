@@ -33,7 +33,7 @@ from lie_rigid_body.inspection.rule import (
 
 @dataclass(frozen=True, eq=False)
 class Stream:
-    """Readings of one sensor with their stamps, as far as they are numbers.
+    """Readings of one sensor with their stamps.
 
     Attributes
     ----------
@@ -45,11 +45,6 @@ class Stream:
     sensor: str
     t_ns: Integers
     readings: Array
-
-    @classmethod
-    def of(cls, sensor: str, t_ns: Integers, readings: Array) -> Stream:
-        """Leave out what is not finite."""
-        return cls(sensor, t_ns, readings)[np.isfinite(readings).all(axis=1)]
 
     def changed(self, change: Change) -> Stream:
         """Readings with a change of their values."""
@@ -133,10 +128,10 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
 def fresh(stream: Stream, found: Findings) -> Stream:
     """Readings without those that are held from the one before, if a slower sensor is on these stamps; that is told."""
     readings = stream.readings
-    first = np.append(True, np.any(np.diff(readings, axis=0) != 0.0, axis=1))
+    first = np.diff(readings, axis=0, prepend=np.inf).any(axis=1)
     moved = np.linalg.norm(readings[HELD_REACH:] - readings[:-HELD_REACH], axis=1)
     moving = np.flatnonzero(moved > (np.quantile(moved, 0.75) / 2.0 if len(moved) else 0.0))
-    if not len(moving) or first[moving + 1].mean() >= 1.0 - MIN_HELD:
+    if first[moving + 1].sum() >= (1.0 - MIN_HELD) * len(moving):
         return stream
     hold = len(first) / first.sum()
     text = f"a reading of the {stream.sensor} is held over {hold:.3g} stamps on average"

@@ -27,7 +27,6 @@ from lie_rigid_body.inspection.rule import (
     MIN_LENGTHS,
     MIN_MISFIT,
     TURNS,
-    Gyro,
 )
 from lie_rigid_body.lie import quaternion, so3
 
@@ -97,7 +96,7 @@ class Vector:
     offset_cost : float
         Squared misfit that an offset of 1 costs.
     world : callable
-        World of a hypothesis about the gyro.
+        World of a gyro, by its multiplier.
 
     Attributes
     ----------
@@ -110,7 +109,7 @@ class Vector:
     """
 
     def __init__(
-        self, sensor: str, t_s: Array, readings: Array, offset_cost: float, world: Callable[[Gyro], World]
+        self, sensor: str, t_s: Array, readings: Array, offset_cost: float, world: Callable[[float], World]
     ) -> None:
         self.sensor = sensor
         self.t_s = t_s
@@ -121,7 +120,7 @@ class Vector:
         longest = (np.ptp(t_s) - 2.0 * MAX_DELAY_S) / MIN_LENGTHS if len(t_s) else 0.0
         self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * np.ptp(t_s) <= each * len(t_s))
 
-    def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
+    def windows(self, gyro: float, delay_s: float, *lengths_s: float) -> list[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
 
         They are averaged over short blocks first.
@@ -137,10 +136,9 @@ class Vector:
         inside = np.flatnonzero((t_s >= world.x[0]) & (t_s <= world.x[-1]))
         period = float(np.ptp(t_s[inside])) / (len(inside) - 1)
         size = max(int(BLOCK_S / period), 1)
-        inside = inside[: len(inside) // size * size]
-        placed = world(t_s[inside]).reshape(-1, size, 3, 6)
-        rotation = placed[..., :3].reshape(-1, size, 9)
-        products = rotation.swapaxes(1, 2) @ self.unit[inside].reshape(-1, size, 3) / size
+        rows = inside[: len(inside) // size * size].reshape(-1, size)
+        placed = world(t_s[rows])
+        products = np.einsum("nsia,nsb->niab", placed[..., :3], self.unit[rows]) / size
         blocks = np.concatenate([products.reshape(-1, 3, 9), placed.mean(axis=1)], axis=2)
         found = []
         for length_s in lengths_s:
@@ -169,11 +167,14 @@ class Fit(NamedTuple):
     constants : ndarray, shape (..., C)
     column : ndarray, shape (..., 39)
         Combination of the columns of the Gram matrix that is the misfit.
+    inverse : ndarray, shape (..., C, C)
+        Inverse of the matrix of the equations of the constants.
     """
 
     misfit: Array
     constants: Array
     column: Array
+    inverse: Array
 
 
 def least_misfit(total: Array, start: Array, changes: Array, costs: Array) -> Fit:
@@ -189,8 +190,9 @@ def least_misfit(total: Array, start: Array, changes: Array, costs: Array) -> Fi
         Squared misfit that a constant of 1 costs.
     """
     normal = changes.swapaxes(-1, -2) @ total
-    constants = -np.linalg.solve(normal @ changes + np.diag(costs), normal @ start[..., np.newaxis])
+    inverse = np.linalg.inv(normal @ changes + np.diag(costs))
+    constants = -inverse @ normal @ start[..., np.newaxis]
     column = start + (changes @ constants)[..., 0]
     constants = constants[..., 0]
     squared = np.sum(column @ total * column, axis=-1) + constants**2 @ costs
-    return Fit(np.sqrt(np.maximum(squared, MIN_MISFIT**2)), constants, column)
+    return Fit(np.sqrt(np.maximum(squared, MIN_MISFIT**2)), constants, column, inverse)
