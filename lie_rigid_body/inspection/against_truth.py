@@ -70,7 +70,7 @@ def report_truth(found: Findings, gyro: Stream, truth: SampledTruth) -> SampledT
 def _report_factor(found: Findings, factor: float, sigma: float) -> None:
     """Report the gyro's sign and factor, and undo them."""
     size = abs(factor)
-    text, unit, away = nearest_unit(size, GYRO_UNITS)
+    away, text, unit = nearest_unit(size, GYRO_UNITS)
     if factor < 0.0:
         found.name("gyro_axes", "gyro", "the gyro has the opposite sign of the truth's rotations", "-x -y -z", -1.0)
     if away > max(MIN_LOG_FACTOR, SIGMAS * sigma / size):

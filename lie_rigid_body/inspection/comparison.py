@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -13,11 +14,9 @@ from lie_rigid_body.inspection.explanations import Judgement, explanations, judg
 from lie_rigid_body.inspection.findings import Findings, Mark
 from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
-    ACCELEROMETER_OFFSET_COST,
     GRAVITY,
     GYRO_HZ,
     GYROS,
-    MAGNETOMETER_OFFSET_COST,
     MAX_CLIPPED,
     MAX_LOG_FACTOR_ERROR,
     MAX_MISFIT,
@@ -27,6 +26,7 @@ from lie_rigid_body.inspection.rule import (
     MAX_SWING,
     MIN_GAIN,
     MIN_TAKEN_OFF,
+    OFFSET_COSTS,
     REFINED_LOG_FACTOR,
     VECTOR_HZ,
 )
@@ -36,7 +36,6 @@ from lie_rigid_body.inspection.world import integrated
 
 KEPT_WORLDS: Final = 6
 """Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
-OFFSET_COSTS: Final = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
 
 
 class Compared(NamedTuple):
@@ -69,19 +68,14 @@ class SensorComparison(NamedTuple):
         Logarithm of its factor.
     vectors : mapping of str to Compared
         By their sensors.
+    misfits : mapping of str to float
+        Largest misfit of a vector ``before`` the repairs and ``after`` them.
     """
 
     verdict: Judgement
     factor: Minimum
     vectors: Mapping[str, Compared]
-
-    @property
-    def misfits(self) -> dict[str, float]:
-        """Largest misfit of a vector before the repairs and after them."""
-        return {
-            "before": max(each.placed.misfits.plain for each in self.vectors.values()),
-            "after": max(each.constants.misfit for each in self.vectors.values()),
-        }
+    misfits: Mapping[str, float]
 
 
 def liveliest(gyro: Stream) -> Stream:
@@ -89,7 +83,7 @@ def liveliest(gyro: Stream) -> Stream:
     quarter_ns = MAX_SPAN_NS // 4
     begins = gyro.t_ns[0] + np.unique((gyro.t_ns - gyro.t_ns[0]) // quarter_ns) * quarter_ns  # a gap may be of years
     stretches = [gyro.between(begin, begin + MAX_SPAN_NS) for begin in begins.tolist()]
-    return max(stretches, key=lambda each: float(np.linalg.eigvalsh(each.readings.T @ each.readings)[0]))
+    return max(stretches, key=lambda each: np.linalg.eigvalsh(each.readings.T @ each.readings)[0])
 
 
 def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison | None:
@@ -112,7 +106,7 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
     if found.has("clipped", "gyro") and np.mean(largest == largest.max()) > MAX_CLIPPED:
         verdict: Judgement | str = "the gyro reaches its range too often"
     else:
-        verdict = _verdict(vectors, float(np.degrees(turned)), found)
+        verdict = _verdict(vectors, np.degrees(turned), found)
     if isinstance(verdict, Judgement):
         return _refined(verdict)
     found.ask_all(verdict, "gyro", *(each.sensor for each in vectors))
@@ -178,7 +172,7 @@ def _explained(each: Misfits, more: Sequence[float], found: Findings) -> Iterato
     sensor = each.sensor
     held = constants_of(each.best()[1])
     if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
-        free = Misfits(sensor, each.t_s, each.unit * each.size, MAGNETOMETER_OFFSET_COST, each.world)
+        free = replace(each, offset_cost=OFFSET_COSTS["magnetometer"])
         search([free])
         scan([free], more)
         freed = constants_of(free.best()[1])
@@ -191,7 +185,7 @@ def _explained(each: Misfits, more: Sequence[float], found: Findings) -> Iterato
                 f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it "
                 "off, or the body falls freely"
             )
-            also = ("accelerometer_units",) * (held.swing < MAX_SWING)
+            also = ("accelerometer_units",) if held.swing < MAX_SWING else ()
             found.name("gravity_removed", sensor, text, before=held.misfit, or_else=also)
             return
         elif held.has_unit:
@@ -210,4 +204,6 @@ def _refined(verdict: Judgement) -> SensorComparison:
         placed.misfits.sensor: Compared(placed, delay, constants_of(placed), is_told)
         for (placed, delay), is_told in zip(fitted, verdict.turns_told, strict=True)
     }
-    return SensorComparison(verdict, factor, vectors)
+    before = max(placed.misfits.plain for placed, _ in fitted)
+    after = max(each.constants.misfit for each in vectors.values())
+    return SensorComparison(verdict, factor, vectors, {"before": before, "after": after})

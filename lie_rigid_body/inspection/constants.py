@@ -56,7 +56,7 @@ def other_delays(placed: Fitting, tried: float, own: Minimum) -> list[float]:
         return []
     delays, misfits = placed.misfits.by_delay(tried)
     lowest = 1 + np.flatnonzero(np.diff(np.sign(np.diff(misfits[:, placed.turn]))) > 1.0)
-    found = [fit_delay(placed._replace(delay_s=float(delays[i])), DELAY_STEPS_S[0])[1] for i in lowest]
+    found = [fit_delay(placed._replace(delay_s=delays[i]), DELAY_STEPS_S[0])[1] for i in lowest]
     alike = [each.place for each in found if each.level <= EXCLUDED * own.level]
     return [place for place in alike if abs(place - own.place) > SAME_DELAY_S]
 
@@ -75,7 +75,7 @@ def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[tuple[Fitting, Mini
 
     def of_factor(log_factor: float) -> Array:
         """Squared misfits of the chunks of all vectors, each over that of the vector."""
-        other = float(np.copysign(np.exp(log_factor), gyro))
+        other = np.copysign(np.exp(log_factor), gyro)
         return np.concatenate(
             [each._replace(gyro=other).squares(each.misfits.length_s) / delay.level**2 for each, delay in fitted]
         )
@@ -83,7 +83,7 @@ def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[tuple[Fitting, Mini
     fitted = [fit_delay(each, DELAY_STEPS_S[0]) for each in placed]
     for factor_step, step_s in zip(LOG_FACTOR_STEPS, DELAY_STEPS_S[1:], strict=True):
         factor = minimum(of_factor, np.log(abs(gyro)), factor_step)
-        gyro = float(np.copysign(np.exp(factor.place), gyro))
+        gyro = np.copysign(np.exp(factor.place), gyro)
         fitted = [fit_delay(each._replace(gyro=gyro), step_s) for each, _ in fitted]
     return factor, fitted
 
@@ -137,12 +137,12 @@ class Constants(NamedTuple):
     @property
     def offset_share(self) -> float:
         """Size of the offset over that of the vector."""
-        return float(np.linalg.norm(self.offset)) / self.size
+        return np.linalg.norm(self.offset) / self.size
 
     @property
     def has_unit(self) -> bool:
         """Whether the size is that of gravity in a known unit."""
-        return nearest_unit(self.size, ACCELEROMETER_UNITS)[2] < SAME_UNIT
+        return nearest_unit(self.size, ACCELEROMETER_UNITS)[0] < SAME_UNIT
 
     @property
     def is_gravity(self) -> bool:
@@ -156,7 +156,7 @@ class Constants(NamedTuple):
     @property
     def blind(self) -> Array:
         """Direction in which an offset is seen least, shape (3,)."""
-        return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
+        return np.linalg.eigh(self.growth)[1][:, 0]
 
 
 def constants_of(placed: Fitting, repair: Array | float = 1.0) -> Constants:

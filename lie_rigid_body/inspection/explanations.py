@@ -123,7 +123,7 @@ UNDONE: Final = {**GYRO_UNITS, **{axes_text(matrix): matrix for matrix in SIGNED
 
 def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     """The repair that a factor of the gyro is: a unit, another factor, or none."""
-    text, _, away = nearest_unit(factor, GYRO_UNITS)
+    away, text, _ = nearest_unit(factor, GYRO_UNITS)
     if away >= MIN_LOG_FACTOR:
         return (SensorRepair("time_step", "gyro"),)
     return (SensorRepair("gyro_units", "gyro", text),) if text else ()
@@ -161,7 +161,7 @@ def _fittings(found: Misfits, gyro: float) -> Iterable[Fitting]:
     ratios = misfits / found.best()[0]
     undelayed = np.where(np.abs(delays)[:, np.newaxis] > MIN_DELAY_S, np.inf, ratios)
     fittings = (
-        Fitting(found, gyro, turn, float(delays[place]), float(ratios[place, turn]))
+        Fitting(found, gyro, turn, delays[place], ratios[place, turn])
         for few in (undelayed, ratios)
         for turn, place in enumerate(few.argmin(axis=0))
     )

@@ -71,13 +71,13 @@ def minimum(squares: Callable[[float], Array], place: float, step: float, moves:
     for _ in range(moves):
         before, here, after = (squares(place + side * step) for side in (-1, 0, 1))
         slopes = (after - before) / 2.0
-        second = float(np.sum(after + before - 2.0 * here))
-        level = float(np.sqrt(max(here.sum(), MIN_MISFIT**2)))
+        second = np.sum(after + before - 2.0 * here)
+        level = np.sqrt(max(here.sum(), MIN_MISFIT**2))
         if second <= 0.0:
             return Minimum(place, np.inf, level, np.inf)
-        move = -float(slopes.sum()) / second
-        place += step * min(max(move, -1.0), 1.0)
+        move = -slopes.sum() / second
+        place += step * np.clip(move, -1.0, 1.0)
         if abs(move) < 1.0:
             break
-    sigma = float(np.linalg.norm(slopes - slopes.mean())) / second * step
+    sigma = np.linalg.norm(slopes - slopes.mean()) / second * step
     return Minimum(place, sigma, level, level * step / np.sqrt(second / 2.0))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from heapq import nlargest
 from itertools import chain, product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,18 +24,18 @@ from lie_rigid_body.inspection.rule import (
     MAX_NEWTON_STEPS,
     MIN_SHARE_LEFT,
     RIGHT,
-    TURNS,
 )
 from lie_rigid_body.inspection.world import Vector, gram
 
 
+@dataclass(eq=False)
 class Misfits(Vector):
-    """Misfits of one vector under the hypotheses that were tried; parameters are those of a `Vector`."""
+    """Misfits of one vector under the hypotheses that were tried."""
 
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self._chosen = 0
-        self._found: dict[tuple[float, float], Array] = {}
+        self._found: defaultdict[float, dict[float, Array]] = defaultdict(dict)
 
     @property
     def length_s(self) -> float:
@@ -43,42 +45,45 @@ class Misfits(Vector):
     def add(self, gyro: float, delay_s: float = 0.0) -> None:
         """Try all turns with one gyro and one delay, s, in windows of each length."""
         windows = self.windows(gyro, delay_s, *self.lengths_s)
-        self._found[gyro, delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
+        self._found[gyro][delay_s] = np.array([self.fit(gram(each)).misfit for each in windows])
 
     @cached_property
     def _usual(self) -> Array:
         """How well a usual hypothesis fits, in windows of each length: the median of the first ones."""
-        return np.asarray(np.median([self._found[gyro, 0.0] for gyro in GYROS], axis=(0, 2)))
+        return np.median([self._found[gyro][0.0] for gyro in GYROS], axis=(0, 2))
 
     def contrast(self, gyro: float) -> float:
         """How much better than a usual hypothesis a gyro fits at best."""
-        every = [misfits.min(axis=1) for (tried, _), misfits in self._found.items() if tried == gyro]
-        return float(np.max(self._usual / every))
+        every = [misfits.min(axis=1) for misfits in self._found[gyro].values()]
+        return np.max(self._usual / every)
 
-    def best(self, length: int | None = None) -> tuple[float, Fitting]:
-        """Least misfit in windows of the chosen length, or of another by its index, and where it is."""
-        which = self._chosen if length is None else length
-        (gyro, delay_s), misfits = min(self._found.items(), key=lambda item: float(item[1][which].min()))
-        return float(misfits[which].min()), Fitting(self, gyro, int(misfits[which].argmin()), delay_s)
+    def best(self, *gyros: float) -> tuple[float, Fitting]:
+        """Least misfit in windows of the chosen length, with some gyros or with all, and where it is."""
+        tried = [(gyro, delay_s) for gyro in gyros or self._found for delay_s in self._found[gyro]]
+        gyro, delay_s = min(tried, key=lambda one: self._found[one[0]][one[1]][self._chosen].min())
+        misfits = self._found[gyro][delay_s][self._chosen]
+        return misfits.min(), Fitting(self, gyro, int(misfits.argmin()), delay_s)
 
     def choose_length(self) -> None:
         """Choose the windows in which the best hypothesis stands out most, if they leave much of the vector."""
-        merits = []
-        for i, length_s in enumerate(self.lengths_s):
-            least, best = self.best(i)
-            left = rms(np.linalg.norm(best.means(length_s), axis=1))
-            merits.append((left > MIN_SHARE_LEFT, self._usual[i] / least, i))
-        self._chosen = max(merits)[2]
+
+        def merit(chosen: int) -> tuple[bool, float]:
+            self._chosen = chosen
+            least, best = self.best()
+            left = rms(np.linalg.norm(best.means(), axis=1))
+            return left > MIN_SHARE_LEFT, self._usual[chosen] / least
+
+        self._chosen = max(range(len(self.lengths_s)), key=merit)
 
     def by_delay(self, gyro: float) -> tuple[Array, Array]:
         """Delays that were tried with a gyro, s, rising, shape (D,), and misfits of the turns, shape (D, 24)."""
-        delays = sorted(delay_s for tried, delay_s in self._found if tried == gyro)
-        return np.array(delays), np.array([self._found[gyro, delay][self._chosen] for delay in delays])
+        delays, misfits = zip(*sorted(self._found[gyro].items()), strict=True)
+        return np.array(delays), np.array(misfits)[:, self._chosen]
 
     @property
     def plain(self) -> float:
         """Misfit without a repair."""
-        return float(self._found[RIGHT, 0.0][self._chosen, 0])
+        return float(self._found[RIGHT][0.0][self._chosen, 0])
 
     def turns(self, gyro: float) -> Integers:
         """Turns that are not excluded with a gyro."""
@@ -89,10 +94,7 @@ class Misfits(Vector):
         for delay in DELAYS_S:
             self.add(gyro, delay)
         self.choose_length()
-        delays, misfits = self.by_delay(gyro)
-        best, turn = divmod(int(misfits.argmin()), len(TURNS))
-        placed = Fitting(self, gyro, turn, float(delays[best]))
-        self.add(gyro, placed.fit_delay(self.length_s, DELAY_STEPS_S[0]).place)
+        self.add(gyro, self.best(gyro)[1].fit_delay(self.length_s, DELAY_STEPS_S[0]).place)
 
 
 class Fitting(NamedTuple):
@@ -116,9 +118,9 @@ class Fitting(NamedTuple):
     delay_s: float
     ratio: float = 1.0
 
-    def means(self, length_s: float) -> Array:
+    def means(self) -> Array:
         """Mean vectors in the world, as shares of the readings, shape (W, 3)."""
-        (windows,) = self.misfits.windows(self.gyro, self.delay_s, length_s)
+        (windows,) = self.misfits.windows(self.gyro, self.delay_s, self.misfits.length_s)
         column = self.misfits.fit(gram(windows)).column[self.turn]
         return np.asarray(windows[..., :12] @ column[:12])
 
@@ -152,7 +154,7 @@ def scan(found: Sequence[Misfits], gyros: Iterable[float]) -> None:
 def _likely(found: Sequence[Misfits]) -> Iterable[float]:
     """The two gyros that fit best all vectors, and each, and the right one."""
     best = [
-        nlargest(2, GYROS, key=lambda gyro: float(np.prod([each.contrast(gyro) for each in group])))
+        nlargest(2, GYROS, key=lambda gyro: np.prod([each.contrast(gyro) for each in group]))
         for group in (found, *([each] for each in found))
     ]
     return dict.fromkeys([*chain(*best), RIGHT])

@@ -14,7 +14,6 @@ from lie_rigid_body.inspection.constants import constants_of, other_delays
 from lie_rigid_body.inspection.explanations import UNDONE, SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
-    ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
     DIM_DELAY_S,
     MAGNETOMETER_UNITS,
@@ -27,6 +26,7 @@ from lie_rigid_body.inspection.rule import (
     MIN_HARD_IRON,
     MIN_LOG_FACTOR,
     MOUNTING_ERROR,
+    OFFSET_COSTS,
     OTHER_FIELD,
     OTHER_UNIT,
     SAME_FIELD,
@@ -151,7 +151,7 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
             found.note(code, f"the {sensor} is {delay.place * 1e3:.3g} ms late against the gyro", delay.place)
     delays = [each.delay for each in comparison.vectors.values()]
     is_alike = delays[0].is_like(delays[-1])
-    or_else = ("gyro_late",) * (is_alike and len(late) == 1)
+    or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
     if is_alike and len(late) == 2:
         delay_s, error_s = np.mean([*late.values()], axis=0)
         late = {"gyro": (-delay_s, error_s)}
@@ -194,7 +194,7 @@ def _tell_iron(each: Compared, found: Findings) -> None:
 def _tell_constant_and_unit(comparison: SensorComparison, found: Findings) -> None:
     """Tell a constant that was taken off the accelerometer, and the unit in which its size is that of gravity."""
     placed, _, constants, _ = comparison.vectors["accelerometer"]
-    if placed.misfits.offset_cost != ACCELEROMETER_OFFSET_COST:  # free, as a constant was taken off
+    if placed.misfits.offset_cost != OFFSET_COSTS["accelerometer"]:  # free, as a constant was taken off
         given = numerals(-constants.offset)
         text = f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest"
         found.name("gravity_removed", "accelerometer", text, f"+ ({given})", **comparison.misfits)
@@ -219,8 +219,8 @@ def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
 def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     """Tell the angle between the field and the horizontal, positive if it points down."""
     up, north = (each.constants.means / each.constants.size for each in comparison.vectors.values())
-    both = min(len(up), len(north))
-    dip = -np.degrees(np.arcsin(np.mean(np.sum(up[:both] * north[:both], axis=1))))
+    rise = np.mean([one @ other for one, other in zip(up, north, strict=False)])
+    dip = -np.degrees(np.arcsin(rise))
     side, half = ("below", "northern") if dip > 0.0 else ("above", "southern")
     text = (
         f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} "
@@ -228,14 +228,14 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     )
     found.note("dip", text, dip)
     (size,) = (note.value for note in found.notes if note.code == "field")
-    found.estimate("magnetic_field", size * np.array([0.0, np.cos(np.radians(dip)), -np.sin(np.radians(dip))]))
+    found.estimate("magnetic_field", size * np.array([0.0, np.sqrt(1.0 - rise**2), rise]))
 
 
 def tell_unit_of_field(readings: Array, comparison: SensorComparison | None, found: Findings) -> None:
     """Tell the unit of a magnetometer, by the size of its readings less the hard iron that is told."""
     compared = comparison and comparison.vectors.get("magnetometer")
     iron = compared.constants.shape_offset if compared and compared.is_told else 0.0
-    size = float(np.median(np.linalg.norm(readings - iron, axis=1)))
+    size = np.median(np.linalg.norm(readings - iron, axis=1))
     _tell_unit("magnetometer", size, is_sure=True, found=found)
 
 
@@ -252,7 +252,7 @@ def _tell_unit(sensor: str, size: float, *, is_sure: bool, found: Findings) -> N
     found : Findings
     """
     vector, units, same, other, also, codes = _UNITS[sensor]
-    unit, usual, away = nearest_unit(size, units)
+    away, unit, usual = nearest_unit(size, units)
     is_known = away < same
     if not is_known and (away < other or not is_sure):
         for code in codes:

@@ -31,7 +31,7 @@ from lie_rigid_body.inspection.rule import (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Stream:
     """Readings of one sensor with their stamps.
 
@@ -86,13 +86,14 @@ def checked_stamps(sensor: str, t_ns: Integers, widest_ns: Integers, found: Find
         return t_ns
     found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
     rows = np.flatnonzero(t_ns)
+    known = t_ns[rows]
     reach = 2 * (1 + len(rows) // RATE_PARTS)  # even, as two clocks may alternate
-    step = np.median(t_ns[rows[reach:]] - t_ns[rows[:-reach]]) / reach if len(rows) > reach else 0.0
+    step = np.median(known[reach:] - known[:-reach]) / reach if len(rows) > reach else 0.0
     if step <= 0.0:
         return np.linspace(widest_ns.min(), widest_ns.max(), len(t_ns)).astype(np.int64)
-    even: Integers = t_ns[rows[0]] + np.round((np.arange(len(t_ns)) - rows[0]) * step).astype(np.int64)
-    zeros = zip(*runs_of(0, t_ns == 0), strict=True)
-    found.marks += [Mark(sensor, "stamps", int(even[i]), int(even[j])) for i, j in zeros]
+    even: Integers = known[0] + np.round((np.arange(len(t_ns)) - rows[0]) * step).astype(np.int64)
+    zeros = even[np.transpose(runs_of(0, t_ns == 0))].tolist()
+    found.marks += [Mark(sensor, "stamps", *ends) for ends in zeros]
     return even
 
 
@@ -105,8 +106,9 @@ def _fault_of_stamps(t_ns: Integers) -> str:
         zeros = len(steps[t_ns[1:] == 0])
         back = f"go back {counted(len(steps[steps < 0]), 'time')}"
         return f"are 0 in {counted(zeros, 'reading')}" if zeros else back
-    if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
-        return f"are repeated in {np.mean(steps == 0):.0%} of the readings"
+    repeated = np.mean(steps == 0)
+    if repeated > MAX_REPEATED_STAMPS:
+        return f"are repeated in {repeated:.0%} of the readings"
     usual = steps[steps <= np.quantile(steps, 1.0 - PAUSES)].mean()
     return "come in bursts" if np.mean(steps < BURST_STEP * usual) > MAX_IN_BURSTS else ""
 
@@ -149,7 +151,7 @@ def resolution(values: Array) -> float | None:
         return None
     multiples = steps / steps[steps > steps.sum() / MAX_GRID_STEPS].min()
     whole = np.round(multiples)
-    return None if np.abs(multiples - whole).max() > GRID_TOLERANCE else float(steps.sum() / whole.sum())
+    return None if np.abs(multiples - whole).max() > GRID_TOLERANCE else steps.sum() / whole.sum()
 
 
 def is_clipped(values: Array) -> bool:

@@ -8,6 +8,7 @@ as well. Its mean with a Hann weight, stepped from one window to the next but on
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -58,8 +59,8 @@ def integrated(t_s: Array, rate: Array) -> World:
     rate : ndarray, shape (N, 3)
         Body rate, rad/s.
     """
-    steps = (rate[1:] + rate[:-1]) / 2.0 * np.diff(t_s)[:, np.newaxis]
-    rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(np.vstack([np.zeros(3), steps]))))
+    steps = np.diff(cumulative_trapezoid(rate, t_s, axis=0, initial=0), axis=0, prepend=0.0)
+    rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(steps)))
     integral = cumulative_trapezoid(rotation, t_s, axis=0, initial=0)
     return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 
@@ -84,10 +85,11 @@ def gram(windows: Array, chunks: int = 1) -> Array:
     return np.array([part.T @ part.copy() for part in parts]) / len(steps)
 
 
+@dataclass(eq=False)
 class Vector:
     """Readings of a sensor whose vector is constant in the world.
 
-    Parameters
+    Attributes
     ----------
     sensor : str
     t_s : ndarray, shape (N,)
@@ -97,9 +99,6 @@ class Vector:
         Squared misfit that an offset of 1 costs.
     world : callable
         World of a gyro, by its multiplier.
-
-    Attributes
-    ----------
     size : float
         RMS of the readings.
     unit : ndarray, shape (N, 3)
@@ -108,17 +107,19 @@ class Vector:
         Lengths of windows, s, of which there are enough, with readings in each.
     """
 
-    def __init__(
-        self, sensor: str, t_s: Array, readings: Array, offset_cost: float, world: Callable[[float], World]
-    ) -> None:
-        self.sensor = sensor
-        self.t_s = t_s
-        self.size = rms(np.linalg.norm(readings, axis=1))
-        self.unit = readings / self.size
-        self.offset_cost = offset_cost
-        self.world = world
-        longest = (np.ptp(t_s) - 2.0 * MAX_DELAY_S) / MIN_LENGTHS if len(t_s) else 0.0
-        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * np.ptp(t_s) <= each * len(t_s))
+    sensor: str
+    t_s: Array
+    readings: Array
+    offset_cost: float
+    world: Callable[[float], World]
+
+    def __post_init__(self) -> None:
+        self.size = rms(np.linalg.norm(self.readings, axis=1))
+        self.unit = self.readings / self.size
+        count = len(self.t_s)
+        span_s = np.ptp(self.t_s) if count else 0.0
+        longest = (span_s - 2.0 * MAX_DELAY_S) / MIN_LENGTHS
+        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * span_s <= each * count)
 
     def windows(self, gyro: float, delay_s: float, *lengths_s: float) -> list[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
@@ -134,7 +135,7 @@ class Vector:
         world = self.world(gyro)
         t_s = self.t_s - delay_s
         inside = np.flatnonzero((t_s >= world.x[0]) & (t_s <= world.x[-1]))
-        period = float(np.ptp(t_s[inside])) / (len(inside) - 1)
+        period = np.diff(t_s).mean()
         size = max(int(BLOCK_S / period), 1)
         rows = inside[: len(inside) // size * size].reshape(-1, size)
         placed = world(t_s[rows])
