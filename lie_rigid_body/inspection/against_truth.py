@@ -21,6 +21,7 @@ from lie_rigid_body.inspection.rule import (
 )
 from lie_rigid_body.inspection.stamps import Stream
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 
 def report_truth(found: Findings, gyro: Stream, truth: SampledTruth) -> SampledTruth | None:
@@ -52,9 +53,9 @@ def report_truth(found: Findings, gyro: Stream, truth: SampledTruth) -> SampledT
         found.name("truth_late", "truth", text, f"{-fit.late_s:+.4f} s")
     else:
         found.note("truth_late", text, fit.late_s)
-    angle = np.linalg.norm(quaternion.log(fit.mounting_xyzw))
+    angle = norm(quaternion.log(fit.mounting_xyzw))
     turn = angle_and_axis(fit.mounting_xyzw)
-    error = np.linalg.norm(errors[1:4])
+    error = norm(errors[1:4])
     text = f"the axes of the truth's body are those of the gyro rotated by {turn}, ± {np.degrees(error):.1g}°"
     is_turned = angle > max(MIN_TRUTH_MOUNTING, SIGMAS * error)
     if is_turned:

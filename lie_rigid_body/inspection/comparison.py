@@ -33,6 +33,7 @@ from lie_rigid_body.inspection.rule import (
 from lie_rigid_body.inspection.search import Fitting, Misfits, scan, search
 from lie_rigid_body.inspection.stamps import Stream
 from lie_rigid_body.inspection.world import integrated
+from lie_rigid_body.lie.vectors import norm
 
 KEPT_WORLDS: Final = 6
 """Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
@@ -101,7 +102,7 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
     vectors = list(_vectors(gyro, others, found))
     if not vectors:
         return None
-    turned = np.quantile(np.linalg.norm(gyro.readings, axis=1), 0.9) * max(each.step_s for each in (gyro, *others))
+    turned = np.quantile(norm(gyro.readings), 0.9) * max(each.step_s for each in (gyro, *others))
     largest = np.abs(gyro.readings).max(axis=1)
     if found.has("clipped", "gyro") and np.mean(largest == largest.max()) > MAX_CLIPPED:
         verdict: Judgement | str = "the gyro reaches its range too often"

@@ -17,8 +17,9 @@ from lie_rigid_body.inspection.minimum import Minimum, minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_UNITS,
     CHUNKS,
-    DELAY_STEPS_S,
+    DELAY_STEP_S,
     EXCLUDED,
+    FINE_DELAY_STEP_S,
     INDEPENDENT_STEPS,
     LOG_FACTOR_STEPS,
     MAX_SWING,
@@ -33,6 +34,7 @@ from lie_rigid_body.inspection.rule import (
 )
 from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit
+from lie_rigid_body.lie.vectors import norm
 
 
 def fit_delay(placed: Fitting, step_s: float) -> tuple[Fitting, Minimum]:
@@ -56,7 +58,7 @@ def other_delays(placed: Fitting, tried: float, own: Minimum) -> list[float]:
         return []
     delays, misfits = placed.misfits.by_delay(tried)
     lowest = 1 + np.flatnonzero(np.diff(np.sign(np.diff(misfits[:, placed.turn]))) > 1.0)
-    found = [fit_delay(placed._replace(delay_s=delays[i]), DELAY_STEPS_S[0])[1] for i in lowest]
+    found = [fit_delay(placed._replace(delay_s=delays[i]), DELAY_STEP_S)[1] for i in lowest]
     alike = [each.place for each in found if each.level <= EXCLUDED * own.level]
     return [place for place in alike if abs(place - own.place) > SAME_DELAY_S]
 
@@ -80,11 +82,11 @@ def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[tuple[Fitting, Mini
             [each._replace(gyro=other).squares(each.misfits.length_s) / delay.level**2 for each, delay in fitted]
         )
 
-    fitted = [fit_delay(each, DELAY_STEPS_S[0]) for each in placed]
-    for factor_step, step_s in zip(LOG_FACTOR_STEPS, DELAY_STEPS_S[1:], strict=True):
-        factor = minimum(of_factor, np.log(abs(gyro)), factor_step)
+    fitted = [fit_delay(each, DELAY_STEP_S) for each in placed]
+    for step in LOG_FACTOR_STEPS:
+        factor = minimum(of_factor, np.log(abs(gyro)), step)
         gyro = np.copysign(np.exp(factor.place), gyro)
-        fitted = [fit_delay(each._replace(gyro=gyro), step_s) for each, _ in fitted]
+        fitted = [fit_delay(each._replace(gyro=gyro), FINE_DELAY_STEP_S) for each, _ in fitted]
     return factor, fitted
 
 
@@ -127,12 +129,12 @@ class Constants(NamedTuple):
     @property
     def size(self) -> float:
         """RMS of the means."""
-        return rms(np.linalg.norm(self.means, axis=1))
+        return rms(norm(self.means))
 
     @property
     def swing(self) -> float:
         """RMS of the change of the means from window to window, over their size."""
-        return rms(np.linalg.norm(np.diff(self.means[::2], axis=0), axis=1)) / self.size
+        return rms(norm(np.diff(self.means[::2], axis=0))) / self.size
 
     @property
     def offset_share(self) -> float:
@@ -180,7 +182,7 @@ def constants_of(placed: Fitting, repair: Array | float = 1.0) -> Constants:
     stretched = np.hstack([changes, np.pad(others, ((0, 30), (0, 0)))])
     shape, shape_errors = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
     to_readings = np.dot(repair, turn.T) * vector.size
-    scale = np.linalg.norm(to_readings[0])
+    scale = norm(to_readings[0])
     axes = to_readings / scale
     back = turn.T @ axes.T
     stretch = axes @ (turn + (others @ shape.constants[6:]).reshape(3, 3)) @ back

@@ -6,7 +6,7 @@ is as good a frame. The gyro's axes are s Cᵀ in it, those of a vector Cᵀ P.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import product
 from typing import Final, NamedTuple
@@ -129,23 +129,25 @@ def factor_repair(factor: float) -> tuple[SensorRepair, ...]:
     return (SensorRepair("gyro_units", "gyro", text),) if text else ()
 
 
-def axes_repairs(sign: float, frame: int, turns: Mapping[str, int]) -> tuple[SensorRepair, ...]:
+def axes_repairs(gyro: float, frame: int, turns: Mapping[str, int]) -> Iterator[SensorRepair]:
     """Repairs of the axes of all sensors that are not right, with one turn as the frame of all.
 
     Parameters
     ----------
-    sign : float
-        Sign of the gyro; in the sensors' own frame a gyro of the other sign is a left-handed frame.
+    gyro : float
+        In the sensors' own frame a gyro of the other sign is a left-handed frame.
     frame : int
     turns : mapping of str to int
-        Those of the vectors, by their sensors.
+        Those of all sensors; the gyro's is 0.
     """
-    texts = {"gyro": _in_frame(frame, 0, sign), **{sensor: _in_frame(frame, turn) for sensor, turn in turns.items()}}
-    return tuple(SensorRepair(f"{sensor}_axes", sensor, text) for sensor, text in texts.items() if text != "x y z")
+    for sensor, turn in turns.items():
+        text = _in_frame(frame, turn, np.sign(gyro) if sensor == "gyro" else 1.0)
+        if text != "x y z":
+            yield SensorRepair(f"{sensor}_axes", sensor, text)
 
 
 @cache
-def _in_frame(frame: int, turn: int, sign: float = 1.0) -> str:
+def _in_frame(frame: int, turn: int, sign: float) -> str:
     return axes_text(sign * TURNS[frame].T @ TURNS[turn])
 
 
@@ -174,17 +176,19 @@ def explanations(found: Iterable[Misfits], gyros: Iterable[float]) -> list[Senso
     Those of the fewest are first, among these those that leave the gyro, among these a known unit before any factor.
     """
     every: dict[object, SensorExplanation] = {}
+    most = np.inf
     for gyro in gyros:
         factor = factor_repair(abs(gyro))
+        if len(factor) > most:
+            continue
         for fittings in product(*(_fittings(each, gyro) for each in found)):
-            turns = {each.misfits.sensor: each.turn for each in fittings}
-            late = _late(fittings)
-            for frame in {0, *turns.values()}:
-                new = SensorExplanation((*factor, *axes_repairs(gyro, frame, turns)), late, fittings)
-                known = every.setdefault((new.repairs, late), new)
-                every[new.repairs, late] = min(known, new, key=lambda each: each.ratio)
-    most = min((each.repair_count for each in every.values() if each.ratio <= TOLD_APART), default=-1)
-    few = [each for each in every.values() if each.repair_count <= most]
+            turns = {"gyro": 0, **{each.misfits.sensor: each.turn for each in fittings}}
+            for frame in {*turns.values()}:
+                new = SensorExplanation((*factor, *axes_repairs(gyro, frame, turns)), _late(fittings), fittings)
+                every[new[:2]] = min(every.get(new[:2], new), new, key=lambda each: each.ratio)
+                if new.ratio <= TOLD_APART:
+                    most = min(most, new.repair_count)
+    few = [each for each in every.values() if each.repair_count <= most < np.inf]
     return sorted(
         few,
         key=lambda each: (

@@ -190,7 +190,9 @@ def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
     keys = "imu", "magnetometer"
     given = {key: each.t_ns for key, each in run.sensors.items() if key in keys and len(each.t_ns) > 1}
-    widest = max(given.values(), key=np.ptp, default=np.zeros(1, dtype=np.int64))
+    if not given:
+        return {}
+    widest = max(given.values(), key=np.ptp)
     if len(given) == 2 and np.array_equal(given["imu"], given["magnetometer"]):
         stamps = dict.fromkeys(given, checked_stamps("log", widest, widest, found))
     else:

@@ -22,22 +22,30 @@ from lie_rigid_body.inspection.rule import (
     REST_WINDOW_S,
 )
 from lie_rigid_body.inspection.stamps import Stream, resolution
+from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.sensors.allan import allan, density
 
 
-def _at_rest(readings: Array, part: int, most: float) -> Booleans:
-    """Whether each window is at rest: it scatters as white noise does, and its mean is as before, and small.
+def _at_rest(readings: Array, part: int) -> Booleans:
+    """Whether each window is at rest: it scatters as white noise does, and its mean is as before, the gyro's small.
 
     The jerk by which a motion begins is as white as noise, but more than usual at rest.
+
+    Parameters
+    ----------
+    readings : ndarray, shape (N, 6)
+        Those of the gyro and of the accelerometer.
+    part : int
+        Number of readings in a part of a window.
     """
     size = part * REST_PARTS
-    parts = readings[: len(readings) // size * size].reshape(-1, REST_PARTS, part, 3)
+    parts = readings[: len(readings) // size * size].reshape(-1, REST_PARTS, part, 6)
     means = parts.mean(axis=(1, 2))
     variances = parts.var(axis=(1, 2))
     is_white = parts.mean(axis=2).var(axis=1) * part <= MAX_REST_COLOUR * variances
     change = np.abs(np.diff(means, axis=0, prepend=means[:1]))
     is_steady = change <= REST_SIGMAS * np.sqrt(2.0 * variances / size)
-    at_rest = (is_white & is_steady).all(axis=1) & (np.linalg.norm(means, axis=1) <= most)
+    at_rest = (is_white & is_steady).all(axis=1) & (norm(means[:, :3]) <= MAX_REST_RATE)
     usual = np.median(variances[at_rest] if at_rest.any() else variances, axis=0)
     return np.asarray(at_rest & ((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
 
@@ -49,7 +57,7 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     size = part * REST_PARTS
     if part < 2 or not size <= len(gyro.t_ns) == len(accelerometer.t_ns):
         return None
-    at_rest = _at_rest(gyro.readings, part, MAX_REST_RATE) & _at_rest(accelerometer.readings, part, np.inf)
+    at_rest = _at_rest(np.hstack([gyro.readings, accelerometer.readings]), part)
     runs = zip(*runs_of(0, at_rest), strict=True)
     first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
     if (last + 1 - first) * size * step_s < MIN_REST_S:
@@ -59,7 +67,7 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
 
 def _rounding(values: Array) -> float:
     """Variance of rounding to the resolution of values."""
-    return (resolution(values) or 0.0) ** 2 / 12.0
+    return resolution(values) ** 2 / 12.0
 
 
 def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
@@ -67,7 +75,7 @@ def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
     scatter = np.maximum(still.readings.var(axis=0), _rounding(still.readings.ravel()))
     known = (declared > 0.0) & (scatter > 0.0)
     ratios = scatter[known] / declared[known]
-    if not ratios.size or np.abs(np.log(ratios)).max() <= np.log(MAX_VARIANCE_RATIO):
+    if np.abs(np.log(ratios)).max(initial=0.0) <= np.log(MAX_VARIANCE_RATIO):
         return
     text = f"the {still.sensor} declares variances of ({numerals(declared)}), and scatters by ({numerals(scatter)})"
     found.name("covariance", still.sensor, f"{text} at rest", f"variances of {numerals(scatter, 3)}")
@@ -103,8 +111,8 @@ def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], fou
         if np.any(grid > measured.variance / 2.0):
             continue  # the resolution hides the noise
         told = density(measured._replace(variance=measured.variance - grid))
-        text = f"the {name} has white noise of {told.white:.3g} {found.unit(name)}/√Hz at rest"
-        found.note("noise", text, told.white)
+        unit = found.unit(name)
+        found.note("noise", f"the {name} has white noise of {told.white:.3g} {unit}/√Hz at rest", told.white)
         found.estimate(f"{name}_noise_density", told.white, told.white_sigma)
         if told.walk:
             found.estimate(f"{name}_bias_random_walk", told.walk, told.walk_sigma)

@@ -88,8 +88,10 @@ MAX_LOG_FACTOR_ERROR: Final = 0.05
 # --- constants that are fitted ---------------------------------------------------------------------------------------
 CHUNKS: Final = 10
 """Number of successive parts of a log whose scatter tells standard errors."""
-DELAY_STEPS_S: Final = (0.02, 0.01, 0.01)
-"""Steps at which the squared misfit is compared to find a delay, s, in turn with those of the factor."""
+DELAY_STEP_S: Final = 0.02
+"""Step at which the squared misfit is compared to find a delay, s."""
+FINE_DELAY_STEP_S: Final = 0.01
+"""This step after one for the factor, s."""
 LOG_FACTOR_STEPS: Final = (0.1, 0.03)
 """Steps at which the squared misfit is compared to find the logarithm of a factor."""
 MAX_NEWTON_STEPS: Final = 5

@@ -17,7 +17,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.inspection.minimum import Minimum, minimum
 from lie_rigid_body.inspection.rule import (
     CHUNKS,
-    DELAY_STEPS_S,
+    DELAY_STEP_S,
     DELAYS_S,
     EXCLUDED,
     GYROS,
@@ -26,6 +26,7 @@ from lie_rigid_body.inspection.rule import (
     RIGHT,
 )
 from lie_rigid_body.inspection.world import Vector, gram
+from lie_rigid_body.lie.vectors import norm
 
 
 @dataclass(eq=False)
@@ -70,7 +71,9 @@ class Misfits(Vector):
         def merit(chosen: int) -> tuple[bool, float]:
             self._chosen = chosen
             least, best = self.best()
-            left = rms(np.linalg.norm(best.means(), axis=1))
+            (windows,) = self.windows(best.gyro, best.delay_s, self.length_s)
+            column = self.fit(gram(windows)).column[best.turn]
+            left = rms(norm(windows[..., :12] @ column[:12]))
             return left > MIN_SHARE_LEFT, self._usual[chosen] / least
 
         self._chosen = max(range(len(self.lengths_s)), key=merit)
@@ -94,7 +97,7 @@ class Misfits(Vector):
         for delay in DELAYS_S:
             self.add(gyro, delay)
         self.choose_length()
-        self.add(gyro, self.best(gyro)[1].fit_delay(self.length_s, DELAY_STEPS_S[0]).place)
+        self.add(gyro, self.best(gyro)[1].fit_delay(self.length_s, DELAY_STEP_S).place)
 
 
 class Fitting(NamedTuple):
@@ -117,12 +120,6 @@ class Fitting(NamedTuple):
     turn: int
     delay_s: float
     ratio: float = 1.0
-
-    def means(self) -> Array:
-        """Mean vectors in the world, as shares of the readings, shape (W, 3)."""
-        (windows,) = self.misfits.windows(self.gyro, self.delay_s, self.misfits.length_s)
-        column = self.misfits.fit(gram(windows)).column[self.turn]
-        return np.asarray(windows[..., :12] @ column[:12])
 
     def squares(self, length_s: float) -> Array:
         """Squared misfits of the chunks, with the constants that fit all of them, shape (chunks,)."""

@@ -35,6 +35,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     nearest_unit,
 )
+from lie_rigid_body.lie.vectors import norm
 
 _MEANINGS = {
     "gyro_units": "the gyro reads degrees",
@@ -121,7 +122,7 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     """Tell a factor of the gyro beside that of its unit."""
     verdict = comparison.verdict
     sigma = comparison.factor.sigma
-    unit = np.linalg.norm(found.changes["gyro"].matrix[0])
+    unit = norm(found.changes["gyro"].matrix[0])
     factor = np.exp(comparison.factor.place) / unit
     codes = {repair.code for repair in (*verdict.named, *verdict.alternatives)}
     told = not verdict.fewer and (unit != 1.0 or "gyro_units" not in codes)
@@ -180,9 +181,9 @@ def _tell_iron(each: Compared, found: Findings) -> None:
             found.note("soft_iron", f"soft iron, or unequal axes, of ({numerals(soft_iron.ravel())})", soft_iron)
             found.estimate("magnetometer_soft_iron", soft_iron, sigma)
     share = constants.offset_share
-    is_sure = share * field > SIGMAS * rms(constants.offset_sigma) and constants.sees(constants.offset)
-    if share > MIN_HARD_IRON and is_sure:
-        if each.is_told and np.linalg.norm(iron) > MIN_HARD_IRON * field:
+    least = max(MIN_HARD_IRON, SIGMAS * rms(constants.offset_sigma) / field)
+    if share > least and constants.sees(constants.offset):
+        if each.is_told and norm(iron) > MIN_HARD_IRON * field:
             text = f"hard iron of ({numerals(iron, 3)}) ± ({numerals(error, 1)}) {unit}, {share:.2f} of the field"
             found.note("hard_iron", text, iron)
         else:
@@ -235,7 +236,7 @@ def tell_unit_of_field(readings: Array, comparison: SensorComparison | None, fou
     """Tell the unit of a magnetometer, by the size of its readings less the hard iron that is told."""
     compared = comparison and comparison.vectors.get("magnetometer")
     iron = compared.constants.shape_offset if compared and compared.is_told else 0.0
-    size = np.median(np.linalg.norm(readings - iron, axis=1))
+    size = np.median(norm(readings - iron))
     _tell_unit("magnetometer", size, is_sure=True, found=found)
 
 

@@ -29,6 +29,7 @@ from lie_rigid_body.inspection.rule import (
     ROUND_OFF,
     STUCK_SHARE,
 )
+from lie_rigid_body.lie.vectors import norm
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ def fresh(stream: Stream, found: Findings) -> Stream:
     """Readings without those that are held from the one before, if a slower sensor is on these stamps; that is told."""
     readings = stream.readings
     first = np.diff(readings, axis=0, prepend=np.inf).any(axis=1)
-    moved = np.linalg.norm(readings[HELD_REACH:] - readings[:-HELD_REACH], axis=1)
+    moved = norm(readings[HELD_REACH:] - readings[:-HELD_REACH])
     moving = np.flatnonzero(moved > (np.quantile(moved, 0.75) / 2.0 if len(moved) else 0.0))
     if first[moving + 1].sum() >= (1.0 - MIN_HELD) * len(moving):
         return stream
@@ -144,14 +145,14 @@ def fresh(stream: Stream, found: Findings) -> Stream:
     return stream[first]
 
 
-def resolution(values: Array) -> float | None:
-    """Step of which all values are multiples, apart from an offset; None for continuous ones, or too few."""
+def resolution(values: Array) -> float:
+    """Step of which all values are multiples, apart from an offset; 0 for continuous ones, or too few."""
     steps = np.diff(np.unique(values))
     if len(steps) < 2:
-        return None
+        return 0.0
     multiples = steps / steps[steps > steps.sum() / MAX_GRID_STEPS].min()
     whole = np.round(multiples)
-    return None if np.abs(multiples - whole).max() > GRID_TOLERANCE else steps.sum() / whole.sum()
+    return 0.0 if np.abs(multiples - whole).max() > GRID_TOLERANCE else steps.sum() / whole.sum()
 
 
 def is_clipped(values: Array) -> bool:
@@ -162,8 +163,8 @@ def is_clipped(values: Array) -> bool:
     if is_long.sum() < 2:
         return False
     beside = np.append(firsts[is_long] - 1, lasts[is_long] + 1)
-    drop = np.median(top - values[np.clip(beside, 0, len(values) - 1)])
-    return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * (resolution(values) or 0.0), ROUND_OFF))
+    drop = top - np.median(values.take(beside, mode="clip"))
+    return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * resolution(values), ROUND_OFF))
 
 
 def is_noisy(readings: Array) -> bool:
@@ -191,7 +192,7 @@ def tell_broken_axes(stream: Stream, *, noisy: bool, found: Findings) -> None:
 def tell_range_and_resolution(stream: Stream, found: Findings) -> None:
     """Tell the resolution of a sensor, if its axes have one, and its range, if it was reached."""
     name = stream.sensor
-    steps = [resolution(values) or np.nan for values in stream.readings.T]
+    steps = [resolution(values) for values in stream.readings.T]
     if np.max(steps) < (1.0 + GRID_TOLERANCE) * np.min(steps):
         found.note("resolution", f"the {name} reads multiples of {steps[0]:.4g}", steps[0])
         found.estimate(f"{name}_resolution", steps[0])

@@ -7,7 +7,7 @@ as well. Its mean with a Hann weight, stepped from one window to the next but on
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, TypeAlias
 
@@ -30,6 +30,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
 )
 from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie.vectors import norm
 
 World: TypeAlias = Any
 """Interpolation between the readings of a gyro, at ``x``, s, of arrays of shape (3, 6).
@@ -41,10 +42,7 @@ OF_TURNS: Final[Array] = np.pad(_FLAT_TURNS, ((0, 0), (0, 30)))
 
 It has 9 elements of the turn, 3 of an offset of the turned readings, and 27 of the turn's products with a rate bias."""
 OF_CONSTANTS: Final[Array] = np.array(
-    [
-        np.vstack([np.zeros((9, 6)), -block_diag(np.eye(3), np.kron(turn[:, np.newaxis], np.eye(3)))])
-        for turn in _FLAT_TURNS
-    ]
+    [-block_diag(np.zeros((9, 0)), np.eye(3), np.kron(turn[:, np.newaxis], np.eye(3))) for turn in _FLAT_TURNS]
 )
 """Change of the column of each turn with an offset and a rate bias, rad/s, shape (24, 39, 6)."""
 
@@ -114,21 +112,21 @@ class Vector:
     world: Callable[[float], World]
 
     def __post_init__(self) -> None:
-        self.size = rms(np.linalg.norm(self.readings, axis=1))
+        self.size = rms(norm(self.readings))
         self.unit = self.readings / self.size
         count = len(self.t_s)
         span_s = np.ptp(self.t_s) if count else 0.0
         longest = (span_s - 2.0 * MAX_DELAY_S) / MIN_LENGTHS
         self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * span_s <= each * count)
 
-    def windows(self, gyro: float, delay_s: float, *lengths_s: float) -> list[Array]:
+    def windows(self, gyro: float, delay_s: float, *lengths_s: float) -> Iterator[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
 
         They are averaged over short blocks first.
 
-        Returns
-        -------
-        list of ndarray, shape (W, 3, 15)
+        Yields
+        ------
+        ndarray, shape (W, 3, 15)
             For each length nine products R_ia u_b, by i and by (a, b), the rotation R, and its integral. The products
             times the elements of a turn P, row by row, are R P u.
         """
@@ -141,12 +139,10 @@ class Vector:
         placed = world(t_s[rows])
         products = np.einsum("nsia,nsb->niab", placed[..., :3], self.unit[rows]) / size
         blocks = np.concatenate([products.reshape(-1, 3, 9), placed.mean(axis=1)], axis=2)
-        found = []
         for length_s in lengths_s:
             half = round(length_s / (size * period) / 2.0)
             views = sliding_window_view(blocks, 2 * half, axis=0)[::half]
-            found.append(views @ (np.hanning(2 * half + 1)[:-1] / half))
-        return found
+            yield views @ (np.hanning(2 * half + 1)[:-1] / half)
 
     def fit(self, grams: Array) -> Fit:
         """Fit every turn to the Gram matrices of chunks, each with its own offset and rate bias."""

@@ -59,7 +59,7 @@ def test_chunks_add_up_to_the_whole(readings: np.ndarray) -> None:
 
 def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
     """Each of three frames may be that of all: with equal turns of both vectors the gyro alone is wrong."""
-    turns = {"accelerometer": 5, "magnetometer": 5}
+    turns = {"gyro": 0, "accelerometer": 5, "magnetometer": 5}
     repairs = axes_repairs(1.0, 5, turns)
     assert [repair.code for repair in repairs] == ["gyro_axes"]
     assert [repair.code for repair in axes_repairs(1.0, 0, turns)] == [

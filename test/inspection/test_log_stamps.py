@@ -95,7 +95,7 @@ def test_readings_of_a_slightly_slower_sensor_are_a_note() -> None:
 def test_the_resolution_is_found_exactly(step: float) -> None:
     values = step * np.round(RNG.normal(size=500) * 300.0)
     assert resolution(values) == pytest.approx(step, rel=1e-9)
-    assert resolution(values + RNG.normal(size=500) * step) is None
+    assert resolution(values + RNG.normal(size=500) * step) == 0.0
 
 
 def test_a_range_is_where_readings_stay_and_drop_away() -> None:
