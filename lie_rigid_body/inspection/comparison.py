@@ -98,7 +98,7 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
     found : Findings
     """
     gyro = liveliest(gyro)
-    found.marks.append(Mark("log", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
+    found.marks.append(Mark("log", "compared", *gyro.t_ns[[0, -1]].tolist()))
     vectors = list(_vectors(gyro, others, found))
     if not vectors:
         return None
@@ -158,7 +158,7 @@ def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> 
 def _searched(vectors: Sequence[Misfits]) -> list[float]:
     """Search with the gyros of the grid, then with the factors that each vector by itself fits best, and tell those."""
     search(vectors)
-    more: list[float] = []
+    more = []
     for each in vectors:
         best = each.best()[1]
         factor, ((refined, _),) = refine([best])
@@ -182,12 +182,14 @@ def _explained(each: Misfits, more: Sequence[float], found: Findings) -> Iterato
             each = free
             held = freed
         elif held.size < MAX_NO_GRAVITY * GRAVITY:
-            text = (
+            found.name(
+                "gravity_removed",
+                sensor,
                 f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it "
-                "off, or the body falls freely"
+                "off, or the body falls freely",
+                before=held.misfit,
+                or_else=("accelerometer_units",) if held.swing < MAX_SWING else (),
             )
-            also = ("accelerometer_units",) if held.swing < MAX_SWING else ()
-            found.name("gravity_removed", sensor, text, before=held.misfit, or_else=also)
             return
         elif held.has_unit:
             found.ask("gravity_removed", f"{held.offset_share:.0%} of gravity are constant on the accelerometer's axes")

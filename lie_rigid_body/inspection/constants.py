@@ -151,9 +151,9 @@ class Constants(NamedTuple):
         """Whether the vector is gravity: it has its size, and stays."""
         return self.has_unit and self.swing < MAX_SWING
 
-    def sees(self, offset: Array) -> bool:
-        """Whether the misfit grows by `MIN_GAIN` with so much another offset."""
-        return bool(offset @ self.growth @ offset > (UNSEEN_SHARE * self.misfit) ** 2)
+    def sees(self, share: Array) -> bool:
+        """Whether the misfit grows by `MIN_GAIN` with another offset, by so much of the vector."""
+        return bool(share @ self.growth @ share > (UNSEEN_SHARE * self.misfit / self.size) ** 2)
 
     @property
     def blind(self) -> Array:

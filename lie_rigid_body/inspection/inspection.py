@@ -11,7 +11,7 @@ import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth
 from lie_rigid_body.evaluation.attitudes import period_ns
-from lie_rigid_body.foundation.arrays import Array, Integers, linear
+from lie_rigid_body.foundation.arrays import Integers, linear
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
@@ -162,7 +162,7 @@ def inspect(run: Run | str | Path) -> Inspection:
         truth = report_truth(found, streams["gyro"].changed(found.changes["gyro"]), run.given_truth)
     repaired = {sensor: stream.changed(found.changes[sensor]) for sensor, stream in every.items()}
     if "gyro" in repaired and "accelerometer" in repaired:
-        tell_noise(repaired, _declared(run), found)
+        tell_noise(repaired, run, found)
     for stream in repaired.values():
         tell_range_and_resolution(stream, found)
     if comparison is not None:
@@ -178,12 +178,6 @@ def inspect(run: Run | str | Path) -> Inspection:
         found.changes,
         truth,
     )
-
-
-def _declared(run: Run) -> dict[str, Array]:
-    """Median variances that a bag declares, by their sensors, (unit of the readings)²."""
-    given = (run.log.sensors if run.log else {}).items()
-    return {name: np.median(each.variance, axis=0) for name, each in given if each.variance is not None}
 
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
@@ -208,9 +202,14 @@ def _tell_other_clock(stamps: dict[str, Integers], found: Findings) -> None:
     """Name stamps of the magnetometer that begin and end as much later than the IMU's, and move them to its first."""
     imu = stamps["imu"]
     other = stamps["magnetometer"]
-    ahead_s = (other[0] - imu[0]) / NS
-    is_as_long = abs(np.ptp(other) - np.ptp(imu)) <= period_ns(other)
-    if other[0] > imu[-1] or imu[0] > other[-1] or (is_as_long and abs(ahead_s) > MAX_DELAY_S):
-        text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
-        found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
+    ahead = other[[0, -1]] - imu[[0, -1]]
+    ahead_s = ahead[0] / NS
+    is_moved = np.ptp(ahead) <= period_ns(other) and abs(ahead_s) > MAX_DELAY_S
+    if other[0] > imu[-1] or imu[0] > other[-1] or is_moved:
+        found.name(
+            "stamps",
+            "magnetometer",
+            f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead",
+            f"{-ahead_s:+.6g} s",
+        )
         stamps["magnetometer"] = other - other[0] + imu[0]

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Booleans, runs_of
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.foundation.wording import numerals
 from lie_rigid_body.inspection.findings import Findings, Mark
 from lie_rigid_body.inspection.rule import (
@@ -23,6 +23,7 @@ from lie_rigid_body.inspection.rule import (
 )
 from lie_rigid_body.inspection.stamps import Stream, resolution
 from lie_rigid_body.lie.vectors import norm
+from lie_rigid_body.runs import Run
 from lie_rigid_body.sensors.allan import allan, density
 
 
@@ -50,7 +51,7 @@ def _at_rest(readings: Array, part: int) -> Booleans:
     return np.asarray(at_rest & ((variances <= MAX_VARIANCE_RATIO * usual) | (usual == 0.0)).all(axis=1))
 
 
-def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
+def longest_rest(gyro: Stream, accelerometer: Stream) -> Integers | None:
     """First and last stamp of the longest rest, ns; None without one of `MIN_REST_S`."""
     step_s = gyro.step_s
     part = round(REST_WINDOW_S / REST_PARTS / step_s) if step_s else 0
@@ -58,11 +59,12 @@ def longest_rest(gyro: Stream, accelerometer: Stream) -> tuple[int, int] | None:
     if part < 2 or not size <= len(gyro.t_ns) == len(accelerometer.t_ns):
         return None
     at_rest = _at_rest(np.hstack([gyro.readings, accelerometer.readings]), part)
-    runs = zip(*runs_of(0, at_rest), strict=True)
-    first, last = max(runs, key=lambda run: run[1] - run[0], default=(0, -1))
-    if (last + 1 - first) * size * step_s < MIN_REST_S:
+    firsts, lasts = runs_of(0, at_rest)
+    spans = lasts + 1 - firsts
+    if spans.max(initial=0) * size * step_s < MIN_REST_S:
         return None
-    return int(gyro.t_ns[first * size]), int(gyro.t_ns[(last + 1) * size - 1])
+    longest = spans.argmax()
+    return gyro.t_ns[[firsts[longest] * size, (lasts[longest] + 1) * size - 1]]
 
 
 def _rounding(values: Array) -> float:
@@ -81,23 +83,25 @@ def _judge_variance(still: Stream, declared: Array, found: Findings) -> None:
     found.name("covariance", still.sensor, f"{text} at rest", f"variances of {numerals(scatter, 3)}")
 
 
-def tell_noise(streams: Mapping[str, Stream], declared: Mapping[str, Array], found: Findings) -> None:
+def tell_noise(streams: Mapping[str, Stream], run: Run, found: Findings) -> None:
     """Tell the noise of all sensors, and the gyro's bias, in the longest rest.
 
     Parameters
     ----------
     streams : mapping of str to Stream
         Repaired readings of gyro, accelerometer, and perhaps a magnetometer.
-    declared : mapping of str to ndarray, shape (3,)
-        Declared variances of sensors, (unit of the readings)².
+    run : Run
+        Its log may declare variances of sensors, (unit of the readings)².
     found : Findings
     """
+    given = run.log.sensors if run.log else {}
+    declared = {name: np.median(each.variance, axis=0) for name, each in given.items() if each.variance is not None}
     rest = longest_rest(streams["gyro"], streams["accelerometer"])
     if rest is None:
         for sensor in declared:
             found.ask("covariance", f"the {sensor} declares a variance, and never rests")
         return
-    found.marks.append(Mark("log", "rest", *rest))
+    found.marks.append(Mark("log", "rest", *rest.tolist()))
     for name, stream in streams.items():
         still = stream.between(*rest)
         if name in declared:

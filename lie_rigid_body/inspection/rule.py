@@ -68,12 +68,13 @@ told, so that those of determinant −1 are the same."""
 RIGHT: Final = 1.0
 """Multiplier of a gyro without mistake. Every hypothesis about the gyro is a multiplier: of what it reads, by sign and
 factor, to the true rate."""
-DEGREE: Final = np.pi / 180.0
-"""Radians of a degree."""
-GYRO_UNITS: Final = {"": 1.0, "× π/180": DEGREE, "× 180/π": 1.0 / DEGREE}
+GYRO_UNITS: Final = {"": 1.0, "× π/180": np.pi / 180.0, "× 180/π": 180.0 / np.pi}
 """Factors of the gyro that are those of units, by their repairs."""
-_FACTORS: Final = (*GYRO_UNITS.values(), *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
-GYROS: Final = tuple(sign * factor for factor in _FACTORS for sign in (1.0, -1.0))
+GYROS: Final = tuple(
+    sign * factor
+    for factor in (*GYRO_UNITS.values(), *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
+    for sign in (1.0, -1.0)
+)
 """Multipliers of the first screening: units, and quarter octaves up to four octaves."""
 DELAYS_S: Final = (0.0, -0.02, 0.02, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
 """Delays of the scan, s; the first three are none."""

@@ -125,8 +125,8 @@ class Fitting(NamedTuple):
         """Squared misfits of the chunks, with the constants that fit all of them, shape (chunks,)."""
         (windows,) = self.misfits.windows(self.gyro, self.delay_s, length_s)
         grams = gram(windows, CHUNKS)
-        column = self.misfits.fit(grams).column[self.turn]
-        return np.asarray(grams @ column @ column)
+        column: Array = self.misfits.fit(grams).column[self.turn]
+        return grams @ column @ column
 
     def fit_delay(self, length_s: float, step_s: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:
         """Fit the delay in windows of one length, from its own value on."""

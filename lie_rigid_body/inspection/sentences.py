@@ -127,8 +127,14 @@ def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     codes = {repair.code for repair in (*verdict.named, *verdict.alternatives)}
     told = not verdict.fewer and (unit != 1.0 or "gyro_units" not in codes)
     if told and abs(np.log(factor)) > comparison.factor.unseen(MIN_LOG_FACTOR):
-        text = f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}"
-        found.name("time_step", "gyro", text, f"× {factor:.4g}", factor, **comparison.misfits)
+        found.name(
+            "time_step",
+            "gyro",
+            f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}",
+            f"× {factor:.4g}",
+            factor,
+            **comparison.misfits,
+        )
     elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR or "time_step" in codes:
         found.ask("time_step", f"the gyro's factor of {factor:.4g} ± {sigma:.1g} is not told apart from 1")
 
@@ -157,8 +163,14 @@ def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
         delay_s, error_s = np.mean([*late.values()], axis=0)
         late = {"gyro": (-delay_s, error_s)}
     for sensor, (delay_s, error_s) in late.items():
-        text = f"the {sensor} is {delay_s:.3f} s ± {error_s:.1g} s late against the others"
-        found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
+        found.name(
+            f"{sensor}_late",
+            sensor,
+            f"the {sensor} is {delay_s:.3f} s ± {error_s:.1g} s late against the others",
+            f"{-delay_s:+.4f} s",
+            or_else=or_else,
+            **comparison.misfits,
+        )
         found.changes[sensor].delay_s = delay_s
     if "magnetometer" in late:
         found.estimate("magnetometer_clock_offset", *late["magnetometer"])
@@ -182,13 +194,13 @@ def _tell_iron(each: Compared, found: Findings) -> None:
             found.estimate("magnetometer_soft_iron", soft_iron, sigma)
     share = constants.offset_share
     least = max(MIN_HARD_IRON, SIGMAS * rms(constants.offset_sigma) / field)
-    if share > least and constants.sees(constants.offset):
+    if share > least and constants.sees(constants.offset / field):
         if each.is_told and norm(iron) > MIN_HARD_IRON * field:
             text = f"hard iron of ({numerals(iron, 3)}) ± ({numerals(error, 1)}) {unit}, {share:.2f} of the field"
             found.note("hard_iron", text, iron)
         else:
             found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
-    if not constants.sees(MIN_HARD_IRON * field * constants.blind):
+    if not constants.sees(MIN_HARD_IRON * constants.blind):
         found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
 
 
@@ -197,13 +209,20 @@ def _tell_constant_and_unit(comparison: SensorComparison, found: Findings) -> No
     placed, _, constants, _ = comparison.vectors["accelerometer"]
     if placed.misfits.offset_cost != OFFSET_COSTS["accelerometer"]:  # free, as a constant was taken off
         given = numerals(-constants.offset)
-        text = f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest"
-        found.name("gravity_removed", "accelerometer", text, f"+ ({given})", **comparison.misfits)
+        found.name(
+            "gravity_removed",
+            "accelerometer",
+            f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest",
+            f"+ ({given})",
+            **comparison.misfits,
+        )
         found.changes["accelerometer"].offset = constants.offset
-    size = constants.size
-    is_clear = constants.misfit <= MAX_UNIT_MISFIT and constants.sees(MIN_HARD_IRON * size * constants.blind)
-    is_sure = is_clear and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
-    _tell_unit("accelerometer", size, is_sure=is_sure, found=found)
+    is_sure = (
+        constants.misfit <= MAX_UNIT_MISFIT
+        and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
+        and constants.sees(MIN_HARD_IRON * constants.blind)
+    )
+    _tell_unit("accelerometer", constants.size, is_sure=is_sure, found=found)
 
 
 def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
@@ -223,11 +242,12 @@ def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     rise = np.mean([one @ other for one, other in zip(up, north, strict=False)])
     dip = -np.degrees(np.arcsin(rise))
     side, half = ("below", "northern") if dip > 0.0 else ("above", "southern")
-    text = (
-        f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} "
-        f"hemisphere: does this fit the place? In the other one, one of the two vectors has the opposite sign"
+    found.note(
+        "dip",
+        f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} hemisphere: does this fit the "
+        "place? In the other one, one of the two vectors has the opposite sign",
+        dip,
     )
-    found.note("dip", text, dip)
     (size,) = (note.value for note in found.notes if note.code == "field")
     found.estimate("magnetic_field", size * np.array([0.0, np.sqrt(1.0 - rise**2), rise]))
 

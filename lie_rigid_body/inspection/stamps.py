@@ -121,11 +121,12 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     found.marks += [Mark(sensor, "gap", *t_ns[i : i + 2].tolist()) for i in before]
     if len(before):
         gaps = steps[before]
-        text = (
+        found.name(
+            "gaps",
+            sensor,
             f"{counted(len(gaps), 'gap')} of up to {gaps.max() / NS:.3g} s in the {sensor}: "
-            f"{np.sum(gaps / median - 1.0):.0f} readings are missing, or the clock was set"
+            f"{np.sum(gaps / median - 1.0):.0f} readings are missing, or the clock was set",
         )
-        found.name("gaps", sensor, text)
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:

@@ -114,10 +114,9 @@ class Vector:
     def __post_init__(self) -> None:
         self.size = rms(norm(self.readings))
         self.unit = self.readings / self.size
-        count = len(self.t_s)
-        span_s = np.ptp(self.t_s) if count else 0.0
+        span_s = np.diff(self.t_s).sum()
         longest = (span_s - 2.0 * MAX_DELAY_S) / MIN_LENGTHS
-        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * span_s <= each * count)
+        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * span_s <= each * len(self.t_s))
 
     def windows(self, gyro: float, delay_s: float, *lengths_s: float) -> Iterator[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
@@ -188,8 +187,7 @@ def least_misfit(total: Array, start: Array, changes: Array, costs: Array) -> Fi
     """
     normal = changes.swapaxes(-1, -2) @ total
     inverse = np.linalg.inv(normal @ changes + np.diag(costs))
-    constants = -inverse @ normal @ start[..., np.newaxis]
-    column = start + (changes @ constants)[..., 0]
-    constants = constants[..., 0]
+    constants = -np.einsum("...ij,...j->...i", inverse @ normal, start)
+    column = start + np.einsum("...ij,...j->...i", changes, constants)
     squared = np.sum(column @ total * column, axis=-1) + constants**2 @ costs
     return Fit(np.sqrt(np.maximum(squared, MIN_MISFIT**2)), constants, column, inverse)
