@@ -178,7 +178,7 @@ def _explained(each: Misfits, more: Sequence[float], found: Findings) -> Iterato
         scan([free], more)
         freed = constants_of(free.best()[1])
         is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
-        if is_taken_off and held.misfit >= freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
+        if is_taken_off and held.misfit >= freed.misfit * MIN_GAIN:
             each = free
             held = freed
         elif held.size < MAX_NO_GRAVITY * GRAVITY:

@@ -69,7 +69,6 @@ codes."""
 def tell_mistakes(comparison: SensorComparison, found: Findings) -> None:
     """Tell the mistakes that a comparison shows, and what it does not decide."""
     _tell_axes(comparison, found)
-    _tell_other_turns(comparison, found)
     _tell_factor(comparison, found)
     _tell_delays(comparison, found)
     if "accelerometer" in comparison.vectors:
@@ -86,7 +85,10 @@ def tell_constants(comparison: SensorComparison, found: Findings) -> None:
 
 
 def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
-    """Tell the repairs of axes and of the gyro's unit that the rule names, and those that it leaves undecided."""
+    """Tell the repairs of axes and of the gyro's unit that the rule names, and those that it leaves undecided.
+
+    Turns that fit as well under the same gyro are listed, of vectors of which no axes are named.
+    """
     verdict = comparison.verdict
     for repair in verdict.named:
         if repair.code == "time_step":  # its size is fitted
@@ -99,6 +101,12 @@ def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
         found.name(repair.code, repair.sensor, meaning, repair.text, undone, or_else=codes, **comparison.misfits)
     for repair in verdict.alternatives if verdict.is_open else ():
         found.ask(repair.code, f"{_meaning(repair)}, perhaps: other explanations do as well, or fewer repairs nearly")
+    for sensor, vector in comparison.vectors.items():
+        fit = vector.placed.misfits.turns(verdict.best.gyro)
+        others = [axes_text(TURNS[turn]) for turn in fit if turn != vector.placed.turn]
+        code = f"{sensor}_axes"
+        if others and not found.has(code, sensor):
+            found.ask(code, f"the {sensor}'s axes may as well be {', '.join(others)}")
 
 
 def _meaning(repair: SensorRepair) -> str:
@@ -106,16 +114,6 @@ def _meaning(repair: SensorRepair) -> str:
     sign = "" if repair.sensor == "gyro" else ", but for the sign of all three"
     axes = f"the {repair.sensor}'s axes are not those of the other sensors{sign}"
     return _MEANINGS.get(repair.text, _MEANINGS.get(repair.code, axes))
-
-
-def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
-    """List the turns that fit as well under the same gyro, of vectors of which no axes are named."""
-    for sensor, each in comparison.vectors.items():
-        fit = each.placed.misfits.turns(comparison.verdict.best.gyro)
-        others = [axes_text(TURNS[turn]) for turn in fit if turn != each.placed.turn]
-        code = f"{sensor}_axes"
-        if others and not found.has(code, sensor):
-            found.ask(code, f"the {sensor}'s axes may as well be {', '.join(others)}")
 
 
 def _tell_factor(comparison: SensorComparison, found: Findings) -> None:

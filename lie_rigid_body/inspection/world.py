@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -32,10 +32,6 @@ from lie_rigid_body.inspection.rule import (
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.vectors import norm
 
-World: TypeAlias = Any
-"""Interpolation between the readings of a gyro, at ``x``, s, of arrays of shape (3, 6).
-
-They are the rotation from the body to the world, and its integral over time, s: how a rate bias turns the world."""
 _FLAT_TURNS: Final = TURNS.reshape(-1, 9)
 OF_TURNS: Final[Array] = np.pad(_FLAT_TURNS, ((0, 0), (0, 30)))
 """Column of each turn without constants, shape (24, 39).
@@ -47,7 +43,7 @@ OF_CONSTANTS: Final[Array] = np.array(
 """Change of the column of each turn with an offset and a rate bias, rad/s, shape (24, 39, 6)."""
 
 
-def integrated(t_s: Array, rate: Array) -> World:
+def integrated(t_s: Array, rate: Array) -> interp1d:
     """World of a gyro, by the mean rate of neighbours.
 
     Parameters
@@ -56,6 +52,12 @@ def integrated(t_s: Array, rate: Array) -> World:
         Times of the readings, s, rising.
     rate : ndarray, shape (N, 3)
         Body rate, rad/s.
+
+    Returns
+    -------
+    interp1d
+        Between the readings, at ``x``, s, of arrays of shape (3, 6). They are the rotation from the body to the world,
+        and its integral over time, s: how a rate bias turns the world.
     """
     steps = np.diff(cumulative_trapezoid(rate, t_s, axis=0, initial=0), axis=0, prepend=0.0)
     rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(steps)))
@@ -109,7 +111,7 @@ class Vector:
     t_s: Array
     readings: Array
     offset_cost: float
-    world: Callable[[float], World]
+    world: Callable[[float], interp1d]
 
     def __post_init__(self) -> None:
         self.size = rms(norm(self.readings))
@@ -136,7 +138,8 @@ class Vector:
         size = max(int(BLOCK_S / period), 1)
         rows = inside[: len(inside) // size * size].reshape(-1, size)
         placed = world(t_s[rows])
-        products = np.einsum("nsia,nsb->niab", placed[..., :3], self.unit[rows]) / size
+        rotation = placed[..., :3].reshape(-1, size, 9)
+        products = rotation.swapaxes(1, 2) @ self.unit[rows] / size
         blocks = np.concatenate([products.reshape(-1, 3, 9), placed.mean(axis=1)], axis=2)
         for length_s in lengths_s:
             half = round(length_s / (size * period) / 2.0)
