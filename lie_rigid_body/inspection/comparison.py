@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -14,11 +14,9 @@ from lie_rigid_body.inspection.explanations import Judgement, explanations, judg
 from lie_rigid_body.inspection.findings import Findings, Mark
 from lie_rigid_body.inspection.minimum import Minimum
 from lie_rigid_body.inspection.rule import (
-    ACCELEROMETER_OFFSET_COST,
     GRAVITY,
     GYRO_HZ,
     GYROS,
-    MAGNETOMETER_OFFSET_COST,
     MAX_CLIPPED,
     MAX_LOG_FACTOR_ERROR,
     MAX_MISFIT,
@@ -28,21 +26,20 @@ from lie_rigid_body.inspection.rule import (
     MAX_SWING,
     MIN_GAIN,
     MIN_TAKEN_OFF,
+    OFFSET_COSTS,
     REFINED_LOG_FACTOR,
     VECTOR_HZ,
-    Gyro,
 )
-from lie_rigid_body.inspection.search import Fitting, Misfits, search
+from lie_rigid_body.inspection.search import Fitting, Misfits, scan, search
 from lie_rigid_body.inspection.stamps import Stream
 from lie_rigid_body.inspection.world import integrated
+from lie_rigid_body.lie.vectors import norm
 
 KEPT_WORLDS: Final = 6
 """Number of worlds that are kept: each takes 150 bytes a reading of the gyro."""
-OFFSET_COSTS: Final = {"accelerometer": ACCELEROMETER_OFFSET_COST, "magnetometer": MAGNETOMETER_OFFSET_COST}
 
 
-@dataclass(frozen=True, eq=False)
-class Compared:
+class Compared(NamedTuple):
     """One vector in a comparison.
 
     Attributes
@@ -51,6 +48,7 @@ class Compared:
         Its turn, the gyro with the fitted factor, and the fitted delay.
     delay : Minimum
     constants : Constants
+        On the sensor's own axes, in its own unit.
     is_told : bool
         Whether the log tells its turn, and so its delay and offset.
     """
@@ -60,14 +58,8 @@ class Compared:
     constants: Constants
     is_told: bool
 
-    @property
-    def sensor(self) -> str:
-        """Sensor of the vector."""
-        return self.placed.sensor
 
-
-@dataclass(frozen=True, eq=False)
-class SensorComparison:
+class SensorComparison(NamedTuple):
     """Vectors of a log under the explanation that the rule chose.
 
     Attributes
@@ -75,25 +67,16 @@ class SensorComparison:
     verdict : Judgement
     factor : Minimum
         Logarithm of its factor.
-    vectors : tuple of Compared
+    vectors : mapping of str to Compared
+        By their sensors.
+    misfits : mapping of str to float
+        Largest misfit of a vector ``before`` the repairs and ``after`` them.
     """
 
     verdict: Judgement
     factor: Minimum
-    vectors: tuple[Compared, ...]
-
-    @property
-    def gyro(self) -> Gyro:
-        """The gyro with the fitted factor."""
-        return self.vectors[0].placed.gyro
-
-    @property
-    def misfits(self) -> dict[str, float]:
-        """Largest misfit of a vector before the repairs and after them."""
-        return {
-            "before": max(each.placed.misfits.plain for each in self.vectors),
-            "after": max(each.constants.misfit for each in self.vectors),
-        }
+    vectors: Mapping[str, Compared]
+    misfits: Mapping[str, float]
 
 
 def liveliest(gyro: Stream) -> Stream:
@@ -101,7 +84,7 @@ def liveliest(gyro: Stream) -> Stream:
     quarter_ns = MAX_SPAN_NS // 4
     begins = gyro.t_ns[0] + np.unique((gyro.t_ns - gyro.t_ns[0]) // quarter_ns) * quarter_ns  # a gap may be of years
     stretches = [gyro.between(begin, begin + MAX_SPAN_NS) for begin in begins.tolist()]
-    return max(stretches, key=lambda each: float(np.linalg.eigvalsh(each.readings.T @ each.readings)[0]))
+    return max(stretches, key=lambda each: np.linalg.eigvalsh(each.readings.T @ each.readings)[0])
 
 
 def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison | None:
@@ -115,16 +98,16 @@ def compare(gyro: Stream, *others: Stream, found: Findings) -> SensorComparison 
     found : Findings
     """
     gyro = liveliest(gyro)
-    found.marks.append(Mark("log", "compared", int(gyro.t_ns[0]), int(gyro.t_ns[-1])))
+    found.marks.append(Mark("log", "compared", *gyro.t_ns[[0, -1]].tolist()))
     vectors = list(_vectors(gyro, others, found))
     if not vectors:
         return None
-    turned = np.quantile(np.linalg.norm(gyro.readings, axis=1), 0.9) * max(each.step_s for each in (gyro, *others))
+    turned = np.quantile(norm(gyro.readings), 0.9) * max(each.step_s for each in (gyro, *others))
     largest = np.abs(gyro.readings).max(axis=1)
     if found.has("clipped", "gyro") and np.mean(largest == largest.max()) > MAX_CLIPPED:
         verdict: Judgement | str = "the gyro reaches its range too often"
     else:
-        verdict = _verdict(vectors, float(np.degrees(turned)), found)
+        verdict = _verdict(vectors, np.degrees(turned), found)
     if isinstance(verdict, Judgement):
         return _refined(verdict)
     found.ask_all(verdict, "gyro", *(each.sensor for each in vectors))
@@ -135,7 +118,7 @@ def _vectors(gyro: Stream, others: Sequence[Stream], found: Findings) -> Iterato
     """Vectors that have enough time in common with the gyro."""
     begin_ns = int(gyro.t_ns[0])
     t_s, rate = gyro.averaged(GYRO_HZ, begin_ns)
-    world = lru_cache(KEPT_WORLDS)(lambda gyro: integrated(t_s, gyro.multiplier * rate))
+    world = lru_cache(KEPT_WORLDS)(lambda gyro: integrated(t_s, gyro * rate))
     for stream in others:
         averaged = stream.between(begin_ns, int(gyro.t_ns[-1])).averaged(VECTOR_HZ, begin_ns)
         each = Misfits(stream.sensor, *averaged, OFFSET_COSTS[stream.sensor], world)
@@ -156,17 +139,15 @@ def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> 
     found : Findings
     """
     more = _searched(vectors)
-    clearest = max(
-        (each.best()[1].gyro for each in vectors), key=lambda one: max(each.contrast(one) for each in vectors)
-    )
-    if turned_deg * min(clearest.factor, 1.0) > MAX_ROTATION_DEG:  # larger ones are found where nothing fits
+    clearest = max((each.best()[1] for each in vectors), key=lambda best: best.misfits.contrast(best.gyro))
+    if turned_deg * min(abs(clearest.gyro), 1.0) > MAX_ROTATION_DEG:  # larger ones are found where nothing fits
         return "the log is too slow for its motion, and wants a higher rate or slower turns; or its gyro reads counts"
     vectors = [fit for each in vectors for fit in _explained(each, more, found)]
     every = explanations(vectors, (*GYROS, *more)) if vectors else []
     if not every:
         return "no one gyro explains all other sensors"
     verdict = judged(every)
-    factor = verdict.best.gyro.factor
+    factor = abs(verdict.best.gyro)
     if all(len(each.turns(verdict.best.gyro)) > 1 for each in vectors):
         factor = max(factor, 1.0)  # about one axis a slow gyro fits where a fast one skips turns
     return (
@@ -174,54 +155,58 @@ def _verdict(vectors: Sequence[Misfits], turned_deg: float, found: Findings) -> 
     )
 
 
-def _searched(vectors: Sequence[Misfits]) -> tuple[Gyro, ...]:
+def _searched(vectors: Sequence[Misfits]) -> list[float]:
     """Search with the gyros of the grid, then with the factors that each vector by itself fits best, and tell those."""
     search(vectors)
-    more: list[Gyro] = []
+    more = []
     for each in vectors:
         best = each.best()[1]
-        factor, (refined,), _ = refine([best])
-        moved = abs(np.log(refined.gyro.factor / best.gyro.factor))
-        if moved > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
-            more.extend(refined.gyro._replace(sign=sign) for sign in (1, -1))
-    if more:
-        search(vectors, more)
-    return tuple(more)
+        factor, ((refined, _),) = refine([best])
+        if abs(np.log(refined.gyro / best.gyro)) > REFINED_LOG_FACTOR and factor.sigma < MAX_LOG_FACTOR_ERROR:
+            more += [refined.gyro, -refined.gyro]
+    scan(vectors, more)
+    return more
 
 
-def _explained(each: Misfits, more: Sequence[Gyro], found: Findings) -> Iterator[Misfits]:
+def _explained(each: Misfits, more: Sequence[float], found: Findings) -> Iterator[Misfits]:
     """The vector, if some hypothesis makes it constant; an accelerometer that lost a constant is searched anew."""
     sensor = each.sensor
     held = constants_of(each.best()[1])
     if sensor == "accelerometer" and not (held.is_gravity and held.offset_share < MIN_TAKEN_OFF):
-        free = Misfits(sensor, each.t_s, each.unit * each.size, MAGNETOMETER_OFFSET_COST, each.world)
+        free = replace(each, offset_cost=OFFSET_COSTS["magnetometer"])
         search([free])
-        if more:
-            search([free], more)
+        scan([free], more)
         freed = constants_of(free.best()[1])
         is_taken_off = freed.is_gravity and freed.offset_share > MIN_TAKEN_OFF
-        if is_taken_off and held.misfit >= freed.misfit * (MIN_GAIN if held.has_unit else 1.0):
+        if is_taken_off and held.misfit >= freed.misfit * MIN_GAIN:
             each = free
             held = freed
         elif held.size < MAX_NO_GRAVITY * GRAVITY:
-            text = (
+            found.name(
+                "gravity_removed",
+                sensor,
                 f"the accelerometer reads no gravity: its mean in the world is {held.size:.2g} m/s²; a driver took it "
-                "off, or the body falls freely"
+                "off, or the body falls freely",
+                before=held.misfit,
+                or_else=("accelerometer_units",) if held.swing < MAX_SWING else (),
             )
-            also = ("accelerometer_units",) * (held.swing < MAX_SWING)
-            found.name("gravity_removed", sensor, text, before=held.misfit, or_else=also)
             return
         elif held.has_unit:
             found.ask("gravity_removed", f"{held.offset_share:.0%} of gravity are constant on the accelerometer's axes")
     left = held.misfit * each.size / held.size
     if left <= MAX_MISFIT:
         yield each
-        return
-    found.ask_all(f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain", sensor)
+    else:
+        found.ask_all(f"no repair makes the {sensor} constant in the world, {left:.0%} of it remain", sensor)
 
 
 def _refined(verdict: Judgement) -> SensorComparison:
     """The explanation that the rule chose, with its constants fitted."""
-    factor, fittings, delays = refine(verdict.best.fittings)
-    each = zip(fittings, delays, map(constants_of, fittings), verdict.turns_told, strict=True)
-    return SensorComparison(verdict, factor, tuple(Compared(*one) for one in each))
+    factor, fitted = refine(verdict.best.fittings)
+    vectors = {
+        placed.misfits.sensor: Compared(placed, delay, constants_of(placed), is_told)
+        for (placed, delay), is_told in zip(fitted, verdict.turns_told, strict=True)
+    }
+    before = max(placed.misfits.plain for placed, _ in fitted)
+    after = max(each.constants.misfit for each in vectors.values())
+    return SensorComparison(verdict, factor, vectors, {"before": before, "after": after})

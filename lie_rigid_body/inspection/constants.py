@@ -6,7 +6,7 @@ Standard errors come from the scatter between successive chunks of the log.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
@@ -17,8 +17,9 @@ from lie_rigid_body.inspection.minimum import Minimum, minimum
 from lie_rigid_body.inspection.rule import (
     ACCELEROMETER_UNITS,
     CHUNKS,
-    DELAY_STEPS_S,
+    DELAY_STEP_S,
     EXCLUDED,
+    FINE_DELAY_STEP_S,
     INDEPENDENT_STEPS,
     LOG_FACTOR_STEPS,
     MAX_SWING,
@@ -29,95 +30,87 @@ from lie_rigid_body.inspection.rule import (
     SWING_LENGTH_S,
     TURNS,
     UNSEEN_SHARE,
-    Gyro,
     nearest_unit,
 )
 from lie_rigid_body.inspection.search import Fitting
 from lie_rigid_body.inspection.world import OF_CONSTANTS, OF_TURNS, Fit, gram, least_misfit
+from lie_rigid_body.lie.vectors import norm
 
 
-def fit_delay(placed: Fitting, step_s: float) -> Minimum:
+def fit_delay(placed: Fitting, step_s: float) -> tuple[Fitting, Minimum]:
     """Fit a delay in the windows in which the squared misfit bends most against its least value."""
-    tried = {length: placed.fit_delay(length, step_s, 1) for length in placed.misfits.lengths_s}
-    return placed.fit_delay(max(tried, key=lambda length: tried[length].slope / tried[length].level), step_s)
+    length_s = min(placed.misfits.lengths_s, key=lambda length: placed.fit_delay(length, step_s, 1).width)
+    delay = placed.fit_delay(length_s, step_s)
+    return placed._replace(delay_s=delay.place), delay
 
 
-def other_delays(placed: Fitting, tried: Gyro, own: Minimum) -> list[float]:
+def other_delays(placed: Fitting, tried: float, own: Minimum) -> list[float]:
     """Delays away from the fitted one that fit as well, s: of motions that recur; of a fitted one that is none, none.
 
     Parameters
     ----------
     placed : Fitting
-    tried : Gyro
-        The one with which delays were tried.
+    tried : float
+        Gyro with which delays were tried.
     own : Minimum
     """
     if abs(own.place) <= MIN_DELAY_S:
         return []
     delays, misfits = placed.misfits.by_delay(tried)
-    steps = np.sign(np.diff(misfits[:, placed.turn]))
-    lowest = 1 + np.flatnonzero((steps[:-1] < 0) & (steps[1:] > 0))
-    found = [fit_delay(placed._replace(delay_s=float(delays[i])), DELAY_STEPS_S[0]) for i in lowest]
+    lowest = 1 + np.flatnonzero(np.diff(np.sign(np.diff(misfits[:, placed.turn]))) > 1.0)
+    found = [fit_delay(placed._replace(delay_s=delays[i]), DELAY_STEP_S)[1] for i in lowest]
     alike = [each.place for each in found if each.level <= EXCLUDED * own.level]
     return [place for place in alike if abs(place - own.place) > SAME_DELAY_S]
 
 
-def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[Fitting], list[Minimum]]:
+def refine(placed: Sequence[Fitting]) -> tuple[Minimum, list[tuple[Fitting, Minimum]]]:
     """Fit delays and the gyro's factor in turn, from those of an explanation on.
 
     Returns
     -------
     factor : Minimum
         Logarithm of the gyro's factor.
-    placed : list of Fitting
-        With this factor and the delays.
-    delays : list of Minimum
-        Those of the vectors.
+    fitted : list of (Fitting, Minimum)
+        The vectors with this factor and their delays, and these.
     """
     gyro = placed[0].gyro
 
     def of_factor(log_factor: float) -> Array:
         """Squared misfits of the chunks of all vectors, each over that of the vector."""
-        other = gyro._replace(factor=float(np.exp(log_factor)))
-        fits = zip(moved, delays, strict=True)
+        other = np.copysign(np.exp(log_factor), gyro)
         return np.concatenate(
-            [each._replace(gyro=other).squares(each.misfits.length_s) / delay.level**2 for each, delay in fits]
+            [each._replace(gyro=other).squares(each.misfits.length_s) / delay.level**2 for each, delay in fitted]
         )
 
-    moved = list(placed)
-    delays = [fit_delay(each, DELAY_STEPS_S[0]) for each in placed]
-    for factor_step, step_s in zip(LOG_FACTOR_STEPS, DELAY_STEPS_S[1:], strict=True):
-        moved = [each._replace(delay_s=delay.place) for each, delay in zip(moved, delays, strict=True)]
-        factor = minimum(of_factor, np.log(gyro.factor), factor_step)
-        gyro = gyro._replace(factor=float(np.exp(factor.place)))
-        moved = [each._replace(gyro=gyro) for each in moved]
-        delays = [fit_delay(each, step_s) for each in moved]
-    return factor, [each._replace(delay_s=delay.place) for each, delay in zip(moved, delays, strict=True)], delays
+    fitted = [fit_delay(each, DELAY_STEP_S) for each in placed]
+    for step in LOG_FACTOR_STEPS:
+        factor = minimum(of_factor, np.log(abs(gyro)), step)
+        gyro = np.copysign(np.exp(factor.place), gyro)
+        fitted = [fit_delay(each._replace(gyro=gyro), FINE_DELAY_STEP_S) for each, _ in fitted]
+    return factor, fitted
 
 
-@dataclass(frozen=True, eq=False)
-class Constants:
-    """A vector under the chosen explanation.
+class Constants(NamedTuple):
+    """A vector under the chosen explanation, in a unit and on axes of the sensor.
 
     Attributes
     ----------
     misfit : float
         Share of the vector.
     means : ndarray, shape (W, 3)
-        What is constant in the world, in windows of about `SWING_LENGTH_S` that start half a length apart, in the unit
-        of the readings.
+        What is constant in the world, in windows of about `SWING_LENGTH_S` that start half a length apart.
     rate_bias, rate_bias_sigma : ndarray, shape (3,)
         Bias of the gyro, rad/s, in its frame.
     offset, offset_sigma : ndarray, shape (3,)
-        Offset of the readings, on the sensor's axes, in their unit.
+        Offset of the readings.
     growth : ndarray, shape (3, 3)
         Curvature of the squared misfit along the offset, whatever the rate bias.
     shape, shape_sigma : ndarray, shape (3, 3)
-        Stretch and shear on the sensor's axes, as of soft iron, with standard errors: near the identity for none.
+        Stretch and shear, as of soft iron, with standard errors: near the identity for none.
     shape_misfit : float
         Misfit with them.
     shape_offset, shape_offset_sigma : ndarray, shape (3,)
-        Offset of the readings with them, on the sensor's axes, in their unit.
+        Offset of the readings with them.
     """
 
     misfit: float
@@ -136,40 +129,47 @@ class Constants:
     @property
     def size(self) -> float:
         """RMS of the means."""
-        return rms(np.linalg.norm(self.means, axis=1))
+        return rms(norm(self.means))
 
     @property
     def swing(self) -> float:
         """RMS of the change of the means from window to window, over their size."""
-        return rms(np.linalg.norm(np.diff(self.means[::2], axis=0), axis=1)) / self.size
+        return rms(norm(np.diff(self.means[::2], axis=0))) / self.size
 
     @property
     def offset_share(self) -> float:
         """Size of the offset over that of the vector."""
-        return float(np.linalg.norm(self.offset)) / self.size
+        return np.linalg.norm(self.offset) / self.size
 
     @property
     def has_unit(self) -> bool:
         """Whether the size is that of gravity in a known unit."""
-        return nearest_unit(self.size, ACCELEROMETER_UNITS)[2] < SAME_UNIT
+        return nearest_unit(self.size, ACCELEROMETER_UNITS)[0] < SAME_UNIT
 
     @property
     def is_gravity(self) -> bool:
         """Whether the vector is gravity: it has its size, and stays."""
         return self.has_unit and self.swing < MAX_SWING
 
-    def sees(self, offset: Array) -> bool:
-        """Whether the misfit grows by `MIN_GAIN` with so much another offset."""
-        return bool(offset @ self.growth @ offset > (UNSEEN_SHARE * self.misfit) ** 2)
+    def sees(self, share: Array) -> bool:
+        """Whether the misfit grows by `MIN_GAIN` with another offset, by so much of the vector."""
+        return bool(share @ self.growth @ share > (UNSEEN_SHARE * self.misfit / self.size) ** 2)
 
     @property
     def blind(self) -> Array:
-        """Direction on the sensor's axes in which an offset is seen least, shape (3,)."""
-        return np.asarray(np.linalg.eigh(self.growth)[1][:, 0])
+        """Direction in which an offset is seen least, shape (3,)."""
+        return np.linalg.eigh(self.growth)[1][:, 0]
 
 
-def constants_of(placed: Fitting) -> Constants:
-    """Fit what is constant of a vector in the windows that tell most about it."""
+def constants_of(placed: Fitting, repair: Array | float = 1.0) -> Constants:
+    """Fit what is constant of a vector in the windows that tell most about it.
+
+    Parameters
+    ----------
+    placed : Fitting
+    repair : ndarray, shape (3, 3), or float, optional
+        From the readings to the unit and the axes of the constants: a factor times axes that change places and signs.
+    """
     vector = placed.misfits
     turn = TURNS[placed.turn]
     start = OF_TURNS[placed.turn]
@@ -177,39 +177,40 @@ def constants_of(placed: Fitting) -> Constants:
     length_s = min(vector.lengths_s, key=lambda length: abs(length - SWING_LENGTH_S))
     windows, longer = vector.windows(placed.gyro, placed.delay_s, vector.length_s, length_s)
     grams = gram(windows, CHUNKS)
-    fit, errors, inverse = _fitted(grams, start, changes, vector.costs)
+    fit, errors = _fitted(grams, start, changes, vector.costs)
     others = null_space(turn.reshape(1, 9))  # 8 directions square to the turn
     stretched = np.hstack([changes, np.pad(others, ((0, 30), (0, 0)))])
-    shape, shape_errors, _ = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
-    to_readings = turn.T * vector.size
-    stretch = turn.T @ (turn + (others @ shape.constants[6:]).reshape(3, 3))
-    growth = np.linalg.inv(inverse[:3, :3]) - vector.offset_cost * np.eye(3)
+    shape, shape_errors = _fitted(grams, start, stretched, np.append(vector.costs, np.full(8, SHAPE_COST)))
+    to_readings = np.dot(repair, turn.T) * vector.size
+    scale = norm(to_readings[0])
+    axes = to_readings / scale
+    back = turn.T @ axes.T
+    stretch = axes @ (turn + (others @ shape.constants[6:]).reshape(3, 3)) @ back
+    growth = np.linalg.inv(fit.inverse[:3, :3]) - vector.offset_cost * np.eye(3)
     return Constants(
         float(fit.misfit),
-        longer[..., :12] @ fit.column[:12] * vector.size,
+        longer[..., :12] @ fit.column[:12] * scale,
         fit.constants[3:],
         errors[3:],
         to_readings @ fit.constants[:3],
         np.abs(to_readings) @ errors[:3],
-        turn.T @ growth @ turn / vector.size**2,
+        axes @ growth @ axes.T / scale**2,
         stretch,
-        np.abs(turn.T) @ np.linalg.norm(others * shape_errors[6:], axis=1).reshape(3, 3),
+        np.abs(axes) @ np.linalg.norm(others * shape_errors[6:], axis=1).reshape(3, 3) @ np.abs(back),
         float(shape.misfit),
         np.linalg.solve(stretch, to_readings @ shape.constants[:3]),
         np.abs(to_readings) @ shape_errors[:3],
     )
 
 
-def _fitted(grams: Array, start: Array, changes: Array, costs: Array) -> tuple[Fit, Array, Array]:
-    """Fit of constants, their standard errors, and the inverse of the matrix of their equations.
+def _fitted(grams: Array, start: Array, changes: Array, costs: Array) -> tuple[Fit, Array]:
+    """Fit of constants to the Gram matrices of chunks, and their standard errors.
 
     To the scatter of the slopes of the chunks comes the misfit itself, which scale and mounting of the gyro make alike
     in all chunks. It counts as that of `INDEPENDENT_STEPS` steps.
     """
-    total = grams.sum(axis=0)
-    fit = least_misfit(total, start, changes, costs)
+    fit = least_misfit(grams.sum(axis=0), start, changes, costs)
     slopes = grams @ fit.column @ changes
-    inverse = np.linalg.inv(changes.T @ total @ changes + np.diag(costs))
-    moved = inverse @ (slopes - slopes.mean(axis=0)).T
-    variances = np.sum(moved**2, axis=1) + np.diag(inverse) * fit.misfit**2 / INDEPENDENT_STEPS
-    return fit, np.sqrt(variances), inverse
+    moved = fit.inverse @ (slopes - slopes.mean(axis=0)).T
+    variances = np.sum(moved**2, axis=1) + np.diag(fit.inverse) * fit.misfit**2 / INDEPENDENT_STEPS
+    return fit, np.sqrt(variances)

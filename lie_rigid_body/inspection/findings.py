@@ -125,34 +125,38 @@ class Change:
     ----------
     matrix : ndarray, shape (3, 3)
         From the readings less the offset.
-    offset : ndarray, shape (3,)
+    offset : ndarray, shape (3,), or float
     delay_s : float
         Time from when they were true to their stamps, s.
     """
 
     matrix: Array = field(default_factory=lambda: np.eye(3))
-    offset: Array = field(default_factory=lambda: np.zeros(3))
+    offset: Array | float = 0.0
     delay_s: float = 0.0
 
     def applied(self, readings: Array) -> Array:
         """Readings, shape (N, 3), with the change."""
-        return np.asarray((readings - self.offset) @ self.matrix.T)
+        return (readings - self.offset) @ self.matrix.T
 
 
-@dataclass
 class Findings:
     """Findings up to now."""
 
-    mistakes: list[LogMistake] = field(default_factory=list)
-    undecided: dict[str, Undecided] = field(default_factory=dict)
-    notes: list[LogNote] = field(default_factory=list)
-    sensors: dict[str, Estimated] = field(default_factory=dict)
-    marks: list[Mark] = field(default_factory=list)
-    changes: defaultdict[str, Change] = field(default_factory=lambda: defaultdict(Change))
+    def __init__(self) -> None:
+        self.mistakes: list[LogMistake] = []
+        self.undecided: dict[str, Undecided] = {}
+        self.notes: list[LogNote] = []
+        self.sensors: dict[str, Estimated] = {}
+        self.marks: list[Mark] = []
+        self.changes: defaultdict[str, Change] = defaultdict(Change)
 
-    def name(self, code: str, sensor: str, message: str, repair: str = "", **more: Any) -> None:
-        """Add a mistake; ``more`` are fields of `LogMistake`."""
+    def name(
+        self, code: str, sensor: str, message: str, repair: str = "", undone: Array | float = 1.0, **more: Any
+    ) -> None:
+        """Add a mistake, and the factor or the matrix by which it is undone; ``more`` are fields of `LogMistake`."""
         self.mistakes.append(LogMistake(code, sensor, message, repair, **more))
+        change = self.changes[sensor]
+        change.matrix = np.dot(undone, change.matrix)
 
     def ask(self, code: str, why: str) -> None:
         """Add what is undecided; of each code the first."""
@@ -174,7 +178,7 @@ class Findings:
 
     def has(self, code: str, sensor: str) -> bool:
         """Whether a mistake of a sensor was found."""
-        return any(mistake.code == code and mistake.sensor == sensor for mistake in self.mistakes)
+        return (code, sensor) in {(each.code, each.sensor) for each in self.mistakes}
 
     def unit(self, sensor: str) -> str:
         """Unit of the repaired readings of a sensor."""

@@ -11,8 +11,7 @@ import numpy as np
 
 from lie_rigid_body.evaluation import SampledTruth
 from lie_rigid_body.evaluation.attitudes import period_ns
-from lie_rigid_body.evaluation.gyro import GyroFit
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Integers, linear
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
@@ -30,7 +29,6 @@ from lie_rigid_body.inspection.stamps import (
     tell_broken_axes,
     tell_range_and_resolution,
 )
-from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import Run, SensorArrays
 from lie_rigid_body.runs.run import require_run
 
@@ -70,7 +68,7 @@ class Inspection(Shown):
     marks: tuple[Mark, ...]
     stamps: Mapping[str, Integers]
     _changes: Mapping[str, Change]
-    _truth: GyroFit | None = None
+    _truth: SampledTruth | None = None
 
     def __str__(self) -> str:
         """Lines that ``inspect`` prints."""
@@ -101,22 +99,15 @@ class Inspection(Shown):
             if key in self.stamps and getattr(sensors[key], name) is not None:
                 change = self._changes[sensor]
                 t_ns = self.stamps[key]
+                late_ns = round(change.delay_s * NS)
                 readings = change.applied(getattr(sensors[key], name))
                 if key == sensor:
-                    t_ns = t_ns - round(change.delay_s * NS)
-                elif change.delay_s:  # the stamps of an IMU are common
-                    since = t_ns - t_ns[0]
-                    later = since + change.delay_s * NS
-                    readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
+                    t_ns = t_ns - late_ns
+                elif late_ns:  # the stamps of an IMU are common
+                    readings = linear(t_ns + late_ns, t_ns, readings)
                 sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
         run = replace(self.run, sensors=sensors)
-        known = self.run.given_truth
-        if known is None or self._truth is None or not any(each.sensor == "truth" for each in self.mistakes):
-            return run
-        t_ns = known.stamps_ns - round(self._truth.late_s * NS)
-        return run.with_truth(
-            SampledTruth(t_ns, quaternion.multiply(known.at(known.stamps_ns), self._truth.mounting_xyzw))
-        )
+        return run if self._truth is None else run.with_truth(self._truth)
 
 
 def inspect(run: Run | str | Path) -> Inspection:
@@ -144,7 +135,7 @@ def inspect(run: Run | str | Path) -> Inspection:
     found = Findings()
     stamps = _stamps(run, found)
     every = {
-        sensor: Stream.of(sensor, stamps[key], readings)
+        sensor: Stream(sensor, stamps[key], readings)[np.isfinite(readings).all(axis=1)]
         for sensor, (key, name) in READINGS.items()
         if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
     }
@@ -165,13 +156,13 @@ def inspect(run: Run | str | Path) -> Inspection:
     if comparison is not None:
         tell_mistakes(comparison, found)
     if "magnetometer" in streams:
-        tell_unit_of_field(streams["magnetometer"], comparison, found)
+        tell_unit_of_field(streams["magnetometer"].readings, comparison, found)
     truth = None
     if run.given_truth is not None and "gyro" in streams:
         truth = report_truth(found, streams["gyro"].changed(found.changes["gyro"]), run.given_truth)
     repaired = {sensor: stream.changed(found.changes[sensor]) for sensor, stream in every.items()}
     if "gyro" in repaired and "accelerometer" in repaired:
-        tell_noise(repaired, _declared(run), found)
+        tell_noise(repaired, run, found)
     for stream in repaired.values():
         tell_range_and_resolution(stream, found)
     if comparison is not None:
@@ -189,17 +180,13 @@ def inspect(run: Run | str | Path) -> Inspection:
     )
 
 
-def _declared(run: Run) -> dict[str, Array]:
-    """Median variances that a bag declares, by their sensors, (unit of the readings)²."""
-    given = (run.log.sensors if run.log else {}).items()
-    return {name: np.median(each.variance, axis=0) for name, each in given if each.variance is not None}
-
-
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:
     """Stamps of the IMU and the magnetometer that rise, of one clock; what is wrong with them is told."""
-    keys = {key for key, _ in READINGS.values()}
+    keys = "imu", "magnetometer"
     given = {key: each.t_ns for key, each in run.sensors.items() if key in keys and len(each.t_ns) > 1}
-    widest = max(given.values(), key=np.ptp, default=np.zeros(1, dtype=np.int64))
+    if not given:
+        return {}
+    widest = max(given.values(), key=np.ptp)
     if len(given) == 2 and np.array_equal(given["imu"], given["magnetometer"]):
         stamps = dict.fromkeys(given, checked_stamps("log", widest, widest, found))
     else:
@@ -215,9 +202,14 @@ def _tell_other_clock(stamps: dict[str, Integers], found: Findings) -> None:
     """Name stamps of the magnetometer that begin and end as much later than the IMU's, and move them to its first."""
     imu = stamps["imu"]
     other = stamps["magnetometer"]
-    ahead_s = (other[0] - imu[0]) / NS
-    is_as_long = abs(np.ptp(other) - np.ptp(imu)) <= period_ns(other)
-    if other[0] > imu[-1] or imu[0] > other[-1] or (is_as_long and abs(ahead_s) > MAX_DELAY_S):
-        text = f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead"
-        found.name("stamps", "magnetometer", text, f"{-ahead_s:+.6g} s")
+    ahead = other[[0, -1]] - imu[[0, -1]]
+    ahead_s = ahead[0] / NS
+    is_moved = np.ptp(ahead) <= period_ns(other) and abs(ahead_s) > MAX_DELAY_S
+    if other[0] > imu[-1] or imu[0] > other[-1] or is_moved:
+        found.name(
+            "stamps",
+            "magnetometer",
+            f"the magnetometer's stamps are of another clock, {ahead_s:.6g} s ahead",
+            f"{-ahead_s:+.6g} s",
+        )
         stamps["magnetometer"] = other - other[0] + imu[0]

@@ -29,21 +29,16 @@ class Minimum(NamedTuple):
     ----------
     place, sigma : float
         The constant and its standard error.
-    slope : float
-        Root of the curvature of the squared misfit.
     level : float
         Misfit there, not below `MIN_MISFIT`.
+    width : float
+        Distance at which the squared misfit grows by as much as it is there, by its curvature.
     """
 
     place: float
     sigma: float
-    slope: float
     level: float
-
-    @property
-    def width(self) -> float:
-        """Distance at which the misfit grows by its least one."""
-        return self.level / max(self.slope, 1e-9)
+    width: float
 
     def unseen(self, limit: float) -> float:
         """Size of the constant up to which it is no mistake, at least a limit, or not seen in this log.
@@ -59,7 +54,7 @@ class Minimum(NamedTuple):
 
     def is_like(self, other: Minimum) -> bool:
         """Whether two delays are one of the gyro, as far as the log sees."""
-        return abs(self.place - other.place) < max(each.unseen(MIN_UNSEEN_S) for each in (self, other))
+        return abs(self.place - other.place) < max(self.unseen(MIN_UNSEEN_S), other.unseen(MIN_UNSEEN_S))
 
 
 def minimum(squares: Callable[[float], Array], place: float, step: float, moves: int = MAX_NEWTON_STEPS) -> Minimum:
@@ -76,13 +71,13 @@ def minimum(squares: Callable[[float], Array], place: float, step: float, moves:
     for _ in range(moves):
         before, here, after = (squares(place + side * step) for side in (-1, 0, 1))
         slopes = (after - before) / 2.0
-        second = float(np.sum(after + before - 2.0 * here))
-        level = float(np.sqrt(max(here.sum(), MIN_MISFIT**2)))
+        second = np.sum(after + before - 2.0 * here)
+        level = np.sqrt(max(here.sum(), MIN_MISFIT**2))
         if second <= 0.0:
-            return Minimum(place, np.inf, 0.0, level)
-        move = -float(slopes.sum()) / second
-        place += step * min(max(move, -1.0), 1.0)
+            return Minimum(place, np.inf, level, np.inf)
+        move = -slopes.sum() / second
+        place += step * np.clip(move, -1.0, 1.0)
         if abs(move) < 1.0:
             break
-    sigma = float(np.linalg.norm(slopes - slopes.mean())) / second * step
-    return Minimum(place, sigma, np.sqrt(second / 2.0) / step, level)
+    sigma = np.linalg.norm(slopes - slopes.mean()) / second * step
+    return Minimum(place, sigma, level, level * step / np.sqrt(second / 2.0))

@@ -7,7 +7,7 @@ simulated ones. `benchmarks/inspection.py` measures them again.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -39,12 +39,11 @@ MAX_MISFIT: Final = 0.25
 # --- what a misfit is ----------------------------------------------------------------------------------------------
 MIN_MISFIT: Final = 0.004
 """Misfit below which a fit is perfect, as a share of the vector: what calibrated sensors leave."""
-BIAS_COST: Final = float((0.01 / np.radians(5.0)) ** 2)
+BIAS_COST: Final = (0.01 / np.radians(5.0)) ** 2
 """Squared misfit that a bias of the gyro of 1 rad/s costs: 5°/s cost 1 % of the vector."""
-MAGNETOMETER_OFFSET_COST: Final = 0.003**2
-"""Squared misfit that an offset as large as the field costs: an attached magnet is nearly free."""
-ACCELEROMETER_OFFSET_COST: Final = 0.2**2
-"""Squared misfit that an offset as large as gravity costs: only small ones, or a log that only yaws has no rotation."""
+OFFSET_COSTS: Final = {"accelerometer": 0.2**2, "magnetometer": 0.003**2}
+"""Squared misfits that offsets as large as the vectors cost. An attached magnet is nearly free. An accelerometer has
+small ones only, or a log that only yaws has no rotation."""
 LENGTHS_S: Final = (0.5, 2.0, 8.0)
 """Lengths of the Hann windows, s: spins need short ones, slow rotations long ones."""
 BLOCK_S: Final = 1.0 / 16.0
@@ -66,31 +65,19 @@ TURNS: Final[Array] = SIGNED_PERMUTATIONS[np.linalg.det(SIGNED_PERMUTATIONS) > 0
 told, so that those of determinant −1 are the same."""
 
 
-class Gyro(NamedTuple):
-    """A hypothesis about the gyro: the true rate is what it reads, times sign and factor."""
-
-    sign: int
-    factor: float
-
-    @property
-    def multiplier(self) -> float:
-        """Factor with its sign."""
-        return self.sign * self.factor
-
-
-RIGHT: Final = Gyro(1, 1.0)
-"""A gyro without mistake."""
-DEGREE: Final = float(np.pi / 180.0)
-"""Radians of a degree."""
-GYRO_UNITS: Final = {"": 1.0, "× π/180": DEGREE, "× 180/π": 1.0 / DEGREE}
+RIGHT: Final = 1.0
+"""Multiplier of a gyro without mistake. Every hypothesis about the gyro is a multiplier: of what it reads, by sign and
+factor, to the true rate."""
+GYRO_UNITS: Final = {"": 1.0, "× π/180": np.pi / 180.0, "× 180/π": 180.0 / np.pi}
 """Factors of the gyro that are those of units, by their repairs."""
-_FACTORS: Final = (*GYRO_UNITS.values(), *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
-GYROS: Final = tuple(Gyro(sign, factor) for factor in _FACTORS for sign in (1, -1))
-"""Gyros of the first screening: units, and quarter octaves up to four octaves."""
-NO_DELAYS_S: Final = (0.0, -0.02, 0.02)
-"""Delays that are none, s."""
-DELAYS_S: Final = (*NO_DELAYS_S, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
-"""Delays of the scan, s."""
+GYROS: Final = tuple(
+    sign * factor
+    for factor in (*GYRO_UNITS.values(), *(2.0 ** (k / 4.0) for k in range(-8, 9) if k))
+    for sign in (1.0, -1.0)
+)
+"""Multipliers of the first screening: units, and quarter octaves up to four octaves."""
+DELAYS_S: Final = (0.0, -0.02, 0.02, *(sign * 0.04 * k for k in range(1, 9) for sign in (1, -1)))
+"""Delays of the scan, s; the first three are none."""
 MAX_DELAY_S: Final = max(DELAYS_S)
 """Longest of them, s."""
 REFINED_LOG_FACTOR: Final = 0.02
@@ -102,8 +89,10 @@ MAX_LOG_FACTOR_ERROR: Final = 0.05
 # --- constants that are fitted ---------------------------------------------------------------------------------------
 CHUNKS: Final = 10
 """Number of successive parts of a log whose scatter tells standard errors."""
-DELAY_STEPS_S: Final = (0.02, 0.01, 0.01)
-"""Steps at which the squared misfit is compared to find a delay, s, in turn with those of the factor."""
+DELAY_STEP_S: Final = 0.02
+"""Step at which the squared misfit is compared to find a delay, s."""
+FINE_DELAY_STEP_S: Final = 0.01
+"""This step after one for the factor, s."""
 LOG_FACTOR_STEPS: Final = (0.1, 0.03)
 """Steps at which the squared misfit is compared to find the logarithm of a factor."""
 MAX_NEWTON_STEPS: Final = 5
@@ -142,10 +131,9 @@ MAGNETOMETER_UNITS: Final = {
 """This field in the units of magnetometers."""
 
 
-def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[str, float, float]:
-    """Unit in which a size is most like the one of a table, this, and the absolute logarithm of their ratio."""
-    unit, known = min(units.items(), key=lambda item: abs(np.log(size / item[1])))
-    return unit, known, abs(float(np.log(size / known)))
+def nearest_unit(size: float, units: Mapping[str, float]) -> tuple[float, str, float]:
+    """Absolute logarithm of the ratio of a size to the one of a table that is most like it, its unit, and this one."""
+    return min((abs(np.log(size / known)), unit, known) for unit, known in units.items())
 
 
 SAME_FIELD: Final = 1.15
@@ -214,7 +202,7 @@ REST_WINDOW_S: Final = 1.0
 """Length of the windows that are at rest or not, s."""
 MIN_REST_S: Final = 10.0
 """Least duration of rest that tells noise, s."""
-MAX_REST_RATE: Final = float(np.radians(5.0))
+MAX_REST_RATE: Final = np.radians(5.0)
 """Largest mean reading of a gyro at rest, rad/s: its bias."""
 REST_SIGMAS: Final = 6.0
 """Largest change of the mean from window to window at rest, in standard errors of white noise."""
@@ -228,5 +216,5 @@ MAX_VARIANCE_RATIO: Final = 4.0
 # --- against a truth -------------------------------------------------------------------------------------------------
 MAX_TRUTH_MISFIT: Final = 0.5
 """Misfit of their rotations, as a share, above which a truth is not that of the gyro."""
-MIN_TRUTH_MOUNTING: Final = float(np.radians(2.0))
+MIN_TRUTH_MOUNTING: Final = np.radians(2.0)
 """Least angle between the axes of the gyro and of the truth's body that is a mistake, rad."""

@@ -7,13 +7,13 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.foundation.wording import components, numerals
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.wording import SI, components, numerals
 from lie_rigid_body.inspection.comparison import Compared, SensorComparison
-from lie_rigid_body.inspection.constants import other_delays
-from lie_rigid_body.inspection.explanations import SensorRepair, axes_text
+from lie_rigid_body.inspection.constants import constants_of, other_delays
+from lie_rigid_body.inspection.explanations import UNDONE, SensorRepair, axes_text
 from lie_rigid_body.inspection.findings import Findings
 from lie_rigid_body.inspection.rule import (
-    ACCELEROMETER_OFFSET_COST,
     ACCELEROMETER_UNITS,
     DIM_DELAY_S,
     MAGNETOMETER_UNITS,
@@ -26,6 +26,7 @@ from lie_rigid_body.inspection.rule import (
     MIN_HARD_IRON,
     MIN_LOG_FACTOR,
     MOUNTING_ERROR,
+    OFFSET_COSTS,
     OTHER_FIELD,
     OTHER_UNIT,
     SAME_FIELD,
@@ -34,7 +35,7 @@ from lie_rigid_body.inspection.rule import (
     TURNS,
     nearest_unit,
 )
-from lie_rigid_body.inspection.stamps import Stream
+from lie_rigid_body.lie.vectors import norm
 
 _MEANINGS = {
     "gyro_units": "the gyro reads degrees",
@@ -49,52 +50,63 @@ _UNITS: Final = {
         ACCELEROMETER_UNITS,
         SAME_UNIT,
         OTHER_UNIT,
+        "",
         ("accelerometer_units", "gravity_removed"),
     ),
-    "magnetometer": ("the field", MAGNETOMETER_UNITS, SAME_FIELD, OTHER_FIELD, ("magnetometer_units",)),
+    "magnetometer": (
+        "the field",
+        MAGNETOMETER_UNITS,
+        SAME_FIELD,
+        OTHER_FIELD,
+        ", or counts of this size",
+        ("magnetometer_units",),
+    ),
 }
-"""Vectors of a known size, these sizes by their units, limits of the logarithm of their ratio, and codes."""
+"""Vectors of a known size, these sizes by their units, limits of the logarithm of their ratio, what else it may be, and
+codes."""
 
 
 def tell_mistakes(comparison: SensorComparison, found: Findings) -> None:
     """Tell the mistakes that a comparison shows, and what it does not decide."""
     _tell_axes(comparison, found)
-    _tell_other_turns(comparison, found)
     _tell_factor(comparison, found)
     _tell_delays(comparison, found)
-    for each in comparison.vectors:
-        if each.sensor == "accelerometer":
-            _tell_constant_and_unit(comparison, each, found)
+    if "accelerometer" in comparison.vectors:
+        _tell_constant_and_unit(comparison, found)
 
 
 def tell_constants(comparison: SensorComparison, found: Findings) -> None:
     """Tell the constants that a comparison shows, of the repaired readings."""
-    for each in comparison.vectors:
-        if each.sensor == "magnetometer":
-            _tell_iron(each, found)
+    if "magnetometer" in comparison.vectors:
+        _tell_iron(comparison.vectors["magnetometer"], found)
     _tell_rate_bias(comparison, found)
-    if len(comparison.vectors) == 2 and all(each.is_told for each in comparison.vectors):
+    if len(comparison.vectors) == 2 and all(each.is_told for each in comparison.vectors.values()):
         _tell_dip(comparison, found)
 
 
 def _tell_axes(comparison: SensorComparison, found: Findings) -> None:
-    """Tell the repairs of axes and of the gyro's unit that the rule names, and those that it leaves undecided."""
+    """Tell the repairs of axes and of the gyro's unit that the rule names, and those that it leaves undecided.
+
+    Turns that fit as well under the same gyro are listed, of vectors of which no axes are named.
+    """
     verdict = comparison.verdict
     for repair in verdict.named:
         if repair.code == "time_step":  # its size is fitted
             continue
-        others = () if all(repair in each for each in verdict.or_else) else verdict.or_else
-        also = [each for repairs in others for each in repairs if each not in verdict.named]
+        also = () if all(repair in each for each in verdict.others) else verdict.alternatives
         text = "".join(f"; or as well {each.text}" for each in also if each.code == repair.code)
         codes = tuple(dict.fromkeys(each.code for each in also if each.code != repair.code))
         meaning = _meaning(repair) + text
-        found.name(repair.code, repair.sensor, meaning, repair.text, or_else=codes, **comparison.misfits)
-        change = found.changes[repair.sensor]
-        change.matrix = repair.unit * change.matrix
-        if repair.unit == 1.0:
-            change.matrix = verdict.best.axes[repair.sensor] @ change.matrix
-    for repair in verdict.undecided:
+        undone = UNDONE[repair.text]
+        found.name(repair.code, repair.sensor, meaning, repair.text, undone, or_else=codes, **comparison.misfits)
+    for repair in verdict.alternatives if verdict.is_open else ():
         found.ask(repair.code, f"{_meaning(repair)}, perhaps: other explanations do as well, or fewer repairs nearly")
+    for sensor, vector in comparison.vectors.items():
+        fit = vector.placed.misfits.turns(verdict.best.gyro)
+        others = [axes_text(TURNS[turn]) for turn in fit if turn != vector.placed.turn]
+        code = f"{sensor}_axes"
+        if others and not found.has(code, sensor):
+            found.ask(code, f"the {sensor}'s axes may as well be {', '.join(others)}")
 
 
 def _meaning(repair: SensorRepair) -> str:
@@ -104,138 +116,145 @@ def _meaning(repair: SensorRepair) -> str:
     return _MEANINGS.get(repair.text, _MEANINGS.get(repair.code, axes))
 
 
-def _tell_other_turns(comparison: SensorComparison, found: Findings) -> None:
-    """List the turns that fit as well under the same gyro, of vectors of which no axes are named."""
-    for each in comparison.vectors:
-        fit = each.placed.misfits.turns(comparison.verdict.best.gyro)
-        others = [axes_text(TURNS[turn]) for turn in fit if turn != each.placed.turn]
-        code = f"{each.sensor}_axes"
-        if others and not found.has(code, each.sensor):
-            found.ask(code, f"the {each.sensor}'s axes may as well be {', '.join(others)}")
-
-
 def _tell_factor(comparison: SensorComparison, found: Findings) -> None:
     """Tell a factor of the gyro beside that of its unit."""
     verdict = comparison.verdict
-    unit = np.prod([repair.unit for repair in verdict.named])
-    factor = comparison.gyro.factor / unit
     sigma = comparison.factor.sigma
-    codes = {repair.code for each in (verdict.named, *verdict.or_else) for repair in each}
+    unit = norm(found.changes["gyro"].matrix[0])
+    factor = np.exp(comparison.factor.place) / unit
+    codes = {repair.code for repair in (*verdict.named, *verdict.alternatives)}
     told = not verdict.fewer and (unit != 1.0 or "gyro_units" not in codes)
     if told and abs(np.log(factor)) > comparison.factor.unseen(MIN_LOG_FACTOR):
-        text = f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}"
-        found.name("time_step", "gyro", text, f"× {factor:.4g}", **comparison.misfits)
-        found.changes["gyro"].matrix *= factor
+        found.name(
+            "time_step",
+            "gyro",
+            f"{_MEANINGS['time_step']}: multiply it by {factor:.4g} ± {factor * sigma:.1g}",
+            f"× {factor:.4g}",
+            factor,
+            **comparison.misfits,
+        )
     elif SIGMAS * sigma > MAX_UNIT_LOG_ERROR or "time_step" in codes:
         found.ask("time_step", f"the gyro's factor of {factor:.4g} ± {sigma:.1g} is not told apart from 1")
 
 
 def _tell_delays(comparison: SensorComparison, found: Findings) -> None:
     """Tell sensors that are late; two that are as late as each other are a gyro that is early."""
-    late = []
-    for each in comparison.vectors:
+    late: dict[str, tuple[float, float]] = {}
+    for sensor, each in comparison.vectors.items():
         delay = each.delay
         unseen_s = delay.unseen(MIN_DELAY_S)
-        code = f"{each.sensor}_late"
+        code = f"{sensor}_late"
         others = other_delays(each.placed, comparison.verdict.best.gyro, delay)
         if others:
             text = ", ".join(f"{other:.3f} s" for other in (delay.place, *others))
             found.ask(code, f"the motion recurs, so that {text} do as well")
         elif abs(delay.place) > unseen_s and each.is_told:
-            late.append(each)
+            late[sensor] = delay.place, delay.error
         elif abs(delay.place) > MIN_DELAY_S or unseen_s > DIM_DELAY_S:
-            found.ask(code, f"a delay of the {each.sensor} of {min(unseen_s, MAX_DELAY_S):.2g} s is not seen")
+            found.ask(code, f"a delay of the {sensor} of {min(unseen_s, MAX_DELAY_S):.2g} s is not seen")
         else:
-            found.note(code, f"the {each.sensor} is {delay.place * 1e3:.3g} ms late against the gyro", delay.place)
-    is_alike = all(one.delay.is_like(other.delay) for one in late for other in comparison.vectors)
-    named = {each.sensor: (each.delay.place, each.delay.error) for each in late}
+            found.note(code, f"the {sensor} is {delay.place * 1e3:.3g} ms late against the gyro", delay.place)
+    delays = [each.delay for each in comparison.vectors.values()]
+    is_alike = delays[0].is_like(delays[-1])
+    or_else = ("gyro_late",) if is_alike and len(late) == 1 else ()
     if is_alike and len(late) == 2:
-        delay_s, error_s = np.mean([*named.values()], axis=0)
-        named = {"gyro": (-delay_s, error_s)}
-    or_else = ("gyro_late",) * (is_alike and len(late) == 1)
-    for sensor, (delay_s, error_s) in named.items():
-        text = f"the {sensor} is {delay_s:.3f} s ± {error_s:.1g} s late against the others"
-        found.name(f"{sensor}_late", sensor, text, f"{-delay_s:+.4f} s", or_else=or_else, **comparison.misfits)
+        delay_s, error_s = np.mean([*late.values()], axis=0)
+        late = {"gyro": (-delay_s, error_s)}
+    for sensor, (delay_s, error_s) in late.items():
+        found.name(
+            f"{sensor}_late",
+            sensor,
+            f"the {sensor} is {delay_s:.3f} s ± {error_s:.1g} s late against the others",
+            f"{-delay_s:+.4f} s",
+            or_else=or_else,
+            **comparison.misfits,
+        )
         found.changes[sensor].delay_s = delay_s
-    if "magnetometer" in named:
-        found.estimate("magnetometer_clock_offset", *named["magnetometer"])
+    if "magnetometer" in late:
+        found.estimate("magnetometer_clock_offset", *late["magnetometer"])
 
 
 def _tell_iron(each: Compared, found: Findings) -> None:
     """Tell the size of the field, and hard and soft iron."""
-    constants = each.constants
-    repair = found.changes[each.sensor].matrix
-    unit = found.unit(each.sensor)
-    field = np.linalg.norm(repair[0]) * constants.size
+    constants = constants_of(each.placed, found.changes["magnetometer"].matrix)
+    unit = found.unit("magnetometer")
+    field = constants.size
     found.note("field", f"the field has a size of {field:.4g} {unit}: does this fit the place?", field)
-    iron = repair @ constants.shape_offset
-    error = np.abs(repair) @ constants.shape_offset_sigma
+    iron = constants.shape_offset
+    error = constants.shape_offset_sigma
     if each.is_told:
         found.estimate("magnetometer_hard_iron", iron, error)
         if constants.misfit > MIN_GAIN * constants.shape_misfit and np.all(constants.shape_sigma < MAX_SHAPE_ERROR):
-            back = np.linalg.inv(repair)
-            soft_iron = repair @ np.linalg.inv(constants.shape) @ back
+            soft_iron = np.linalg.inv(constants.shape)
             soft_iron *= 3.0 / np.trace(soft_iron)  # its size is that of the field
+            sigma = np.hypot(constants.shape_sigma, MOUNTING_ERROR * (1.0 - np.eye(3)))
             found.note("soft_iron", f"soft iron, or unequal axes, of ({numerals(soft_iron.ravel())})", soft_iron)
-            sigma = np.abs(repair) @ constants.shape_sigma @ np.abs(back)
-            found.estimate("magnetometer_soft_iron", soft_iron, np.hypot(sigma, MOUNTING_ERROR * (1.0 - np.eye(3))))
+            found.estimate("magnetometer_soft_iron", soft_iron, sigma)
     share = constants.offset_share
-    is_sure = share * constants.size > SIGMAS * rms(constants.offset_sigma) and constants.sees(constants.offset)
-    if share > MIN_HARD_IRON and is_sure:
-        if each.is_told and np.linalg.norm(constants.shape_offset) > MIN_HARD_IRON * constants.size:
+    least = max(MIN_HARD_IRON, SIGMAS * rms(constants.offset_sigma) / field)
+    if share > least and constants.sees(constants.offset / field):
+        if each.is_told and norm(iron) > MIN_HARD_IRON * field:
             text = f"hard iron of ({numerals(iron, 3)}) ± ({numerals(error, 1)}) {unit}, {share:.2f} of the field"
             found.note("hard_iron", text, iron)
         else:
             found.ask("hard_iron", f"an offset of {share:.2f} of the field, or soft iron, or other axes, are as good")
-    if not constants.sees(MIN_HARD_IRON * constants.size * constants.blind):
-        blind = components(repair @ constants.blind / np.linalg.norm(repair[0]), 2)
-        found.ask("hard_iron", f"hard iron along ({blind}) of the sensor is not seen")
+    if not constants.sees(MIN_HARD_IRON * constants.blind):
+        found.ask("hard_iron", f"hard iron along ({components(constants.blind, 2)}) of the sensor is not seen")
 
 
-def _tell_constant_and_unit(comparison: SensorComparison, each: Compared, found: Findings) -> None:
+def _tell_constant_and_unit(comparison: SensorComparison, found: Findings) -> None:
     """Tell a constant that was taken off the accelerometer, and the unit in which its size is that of gravity."""
-    constants = each.constants
-    if each.placed.misfits.offset_cost != ACCELEROMETER_OFFSET_COST:  # free, as a constant was taken off
+    placed, _, constants, _ = comparison.vectors["accelerometer"]
+    if placed.misfits.offset_cost != OFFSET_COSTS["accelerometer"]:  # free, as a constant was taken off
         given = numerals(-constants.offset)
-        text = f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest"
-        found.name("gravity_removed", each.sensor, text, f"+ ({given})", **comparison.misfits)
-        found.changes[each.sensor].offset = constants.offset
-    size = constants.size
-    is_clear = constants.misfit <= MAX_UNIT_MISFIT and constants.sees(MIN_HARD_IRON * size * constants.blind)
-    is_sure = is_clear and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
-    _tell_unit(each.sensor, size, is_sure=is_sure, found=found)
+        found.name(
+            "gravity_removed",
+            "accelerometer",
+            f"a constant of ({given}) in the sensor's axes was taken off: its mean, or its reading at rest",
+            f"+ ({given})",
+            **comparison.misfits,
+        )
+        found.changes["accelerometer"].offset = constants.offset
+    is_sure = (
+        constants.misfit <= MAX_UNIT_MISFIT
+        and SIGMAS * comparison.factor.sigma <= MAX_UNIT_LOG_ERROR
+        and constants.sees(MIN_HARD_IRON * constants.blind)
+    )
+    _tell_unit("accelerometer", constants.size, is_sure=is_sure, found=found)
 
 
 def _tell_rate_bias(comparison: SensorComparison, found: Findings) -> None:
     """Tell the bias of the gyro's readings that the vector with the least misfit shows, unless rest has told it."""
-    best = min((each.constants for each in comparison.vectors), key=lambda constants: constants.misfit)
-    repair = found.changes["gyro"].matrix / comparison.gyro.multiplier
+    best = min(comparison.vectors.values(), key=lambda each: each.constants.misfit)
+    repair = found.changes["gyro"].matrix / best.placed.gyro
     if "gyro_bias" not in found.sensors:
-        found.estimate("gyro_bias", -repair @ best.rate_bias, np.abs(repair) @ best.rate_bias_sigma)
+        bias = -repair @ best.constants.rate_bias
+        found.estimate("gyro_bias", bias, np.abs(repair) @ best.constants.rate_bias_sigma)
     shown = found.sensors["gyro_bias"].value
     found.note("gyro_bias", f"the gyro has a bias of ({numerals(np.degrees(shown))}) °/s", shown)
 
 
 def _tell_dip(comparison: SensorComparison, found: Findings) -> None:
     """Tell the angle between the field and the horizontal, positive if it points down."""
-    up, north = (each.constants.means / each.constants.size for each in comparison.vectors)
-    both = min(len(up), len(north))
-    dip = -np.degrees(np.arcsin(np.mean(np.sum(up[:both] * north[:both], axis=1))))
+    up, north = (each.constants.means / each.constants.size for each in comparison.vectors.values())
+    rise = np.mean([one @ other for one, other in zip(up, north, strict=False)])
+    dip = -np.degrees(np.arcsin(rise))
     side, half = ("below", "northern") if dip > 0.0 else ("above", "southern")
-    text = (
-        f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} "
-        f"hemisphere: does this fit the place? In the other one, one of the two vectors has the opposite sign"
+    found.note(
+        "dip",
+        f"the field points {abs(dip):.1f}° {side} the horizontal, as in the {half} hemisphere: does this fit the "
+        "place? In the other one, one of the two vectors has the opposite sign",
+        dip,
     )
-    found.note("dip", text, dip)
     (size,) = (note.value for note in found.notes if note.code == "field")
-    found.estimate("magnetic_field", size * np.array([0.0, np.cos(np.radians(dip)), -np.sin(np.radians(dip))]))
+    found.estimate("magnetic_field", size * np.array([0.0, np.sqrt(1.0 - rise**2), rise]))
 
 
-def tell_unit_of_field(readings: Stream, comparison: SensorComparison | None, found: Findings) -> None:
+def tell_unit_of_field(readings: Array, comparison: SensorComparison | None, found: Findings) -> None:
     """Tell the unit of a magnetometer, by the size of its readings less the hard iron that is told."""
-    told = () if comparison is None else comparison.vectors
-    iron = sum(each.constants.shape_offset for each in told if each.is_told and each.sensor == readings.sensor)
-    size = float(np.median(np.linalg.norm(readings.readings - iron, axis=1)))
+    compared = comparison and comparison.vectors.get("magnetometer")
+    iron = compared.constants.shape_offset if compared and compared.is_told else 0.0
+    size = np.median(norm(readings - iron))
     _tell_unit("magnetometer", size, is_sure=True, found=found)
 
 
@@ -251,17 +270,15 @@ def _tell_unit(sensor: str, size: float, *, is_sure: bool, found: Findings) -> N
         Whether the size is known so well that it may be of an unknown unit.
     found : Findings
     """
-    vector, units, same, other, codes = _UNITS[sensor]
-    unit, usual, away = nearest_unit(size, units)
-    si, si_size = next(iter(units.items()))
-    if away >= same and not (away >= other and is_sure):
+    vector, units, same, other, also, codes = _UNITS[sensor]
+    away, unit, usual = nearest_unit(size, units)
+    is_known = away < same
+    if not is_known and (away < other or not is_sure):
         for code in codes:
             found.ask(code, f"{vector} is {size:.4g} in the {sensor}'s unit, which may be {unit}")
-    elif away >= other or unit != si:
-        told = unit if away < same else "an unknown unit, or counts"
-        told += ", or counts of this size" if sensor == "magnetometer" and away < same else ""
-        is_known = away < same or sensor == "accelerometer"  # gravity has one size, the field has many
-        factor = si_size / (usual if away < same else size) if is_known else 1.0
-        repair = f"× {factor:.6g}" if is_known else ""
-        found.name(codes[0], sensor, f"the {sensor} reads {told}: {vector} is {size:.4g}", repair)
-        found.changes[sensor].matrix *= factor
+    elif unit != SI[sensor] or not is_known:
+        told = f"{unit}{also}" if is_known else "an unknown unit, or counts"
+        is_repaired = is_known or sensor == "accelerometer"  # gravity has one size, the field has many
+        factor = units[SI[sensor]] / (usual if is_known else size) if is_repaired else 1.0
+        repair = f"× {factor:.6g}" if is_repaired else ""
+        found.name(codes[0], sensor, f"the {sensor} reads {told}: {vector} is {size:.4g}", repair, factor)

@@ -29,11 +29,12 @@ from lie_rigid_body.inspection.rule import (
     ROUND_OFF,
     STUCK_SHARE,
 )
+from lie_rigid_body.lie.vectors import norm
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Stream:
-    """Readings of one sensor with their stamps, as far as they are numbers.
+    """Readings of one sensor with their stamps.
 
     Attributes
     ----------
@@ -45,11 +46,6 @@ class Stream:
     sensor: str
     t_ns: Integers
     readings: Array
-
-    @classmethod
-    def of(cls, sensor: str, t_ns: Integers, readings: Array) -> Stream:
-        """Leave out what is not finite."""
-        return cls(sensor, t_ns, readings)[np.isfinite(readings).all(axis=1)]
 
     def changed(self, change: Change) -> Stream:
         """Readings with a change of their values."""
@@ -91,13 +87,14 @@ def checked_stamps(sensor: str, t_ns: Integers, widest_ns: Integers, found: Find
         return t_ns
     found.name("stamps", sensor, f"the stamps of the {sensor} {fault}", "even stamps")
     rows = np.flatnonzero(t_ns)
+    known = t_ns[rows]
     reach = 2 * (1 + len(rows) // RATE_PARTS)  # even, as two clocks may alternate
-    step = np.median(t_ns[rows[reach:]] - t_ns[rows[:-reach]]) / reach if len(rows) > reach else 0.0
+    step = np.median(known[reach:] - known[:-reach]) / reach if len(rows) > reach else 0.0
     if step <= 0.0:
         return np.linspace(widest_ns.min(), widest_ns.max(), len(t_ns)).astype(np.int64)
-    even: Integers = t_ns[rows[0]] + np.round((np.arange(len(t_ns)) - rows[0]) * step).astype(np.int64)
-    zeros = zip(*runs_of(0, t_ns == 0), strict=True)
-    found.marks += [Mark(sensor, "stamps", int(even[i]), int(even[j])) for i, j in zeros]
+    even: Integers = known[0] + np.round((np.arange(len(t_ns)) - rows[0]) * step).astype(np.int64)
+    zeros = even[np.transpose(runs_of(0, t_ns == 0))].tolist()
+    found.marks += [Mark(sensor, "stamps", *ends) for ends in zeros]
     return even
 
 
@@ -110,8 +107,9 @@ def _fault_of_stamps(t_ns: Integers) -> str:
         zeros = len(steps[t_ns[1:] == 0])
         back = f"go back {counted(len(steps[steps < 0]), 'time')}"
         return f"are 0 in {counted(zeros, 'reading')}" if zeros else back
-    if np.mean(steps == 0) > MAX_REPEATED_STAMPS:
-        return f"are repeated in {np.mean(steps == 0):.0%} of the readings"
+    repeated = np.mean(steps == 0)
+    if repeated > MAX_REPEATED_STAMPS:
+        return f"are repeated in {repeated:.0%} of the readings"
     usual = steps[steps <= np.quantile(steps, 1.0 - PAUSES)].mean()
     return "come in bursts" if np.mean(steps < BURST_STEP * usual) > MAX_IN_BURSTS else ""
 
@@ -123,20 +121,21 @@ def _tell_gaps(sensor: str, t_ns: Integers, found: Findings) -> None:
     found.marks += [Mark(sensor, "gap", *t_ns[i : i + 2].tolist()) for i in before]
     if len(before):
         gaps = steps[before]
-        text = (
+        found.name(
+            "gaps",
+            sensor,
             f"{counted(len(gaps), 'gap')} of up to {gaps.max() / NS:.3g} s in the {sensor}: "
-            f"{np.sum(gaps / median - 1.0):.0f} readings are missing, or the clock was set"
+            f"{np.sum(gaps / median - 1.0):.0f} readings are missing, or the clock was set",
         )
-        found.name("gaps", sensor, text)
 
 
 def fresh(stream: Stream, found: Findings) -> Stream:
     """Readings without those that are held from the one before, if a slower sensor is on these stamps; that is told."""
     readings = stream.readings
-    first = np.append(True, np.any(np.diff(readings, axis=0) != 0.0, axis=1))
-    moved = np.linalg.norm(readings[HELD_REACH:] - readings[:-HELD_REACH], axis=1)
+    first = np.diff(readings, axis=0, prepend=np.inf).any(axis=1)
+    moved = norm(readings[HELD_REACH:] - readings[:-HELD_REACH])
     moving = np.flatnonzero(moved > (np.quantile(moved, 0.75) / 2.0 if len(moved) else 0.0))
-    if not len(moving) or first[moving + 1].mean() >= 1.0 - MIN_HELD:
+    if first[moving + 1].sum() >= (1.0 - MIN_HELD) * len(moving):
         return stream
     hold = len(first) / first.sum()
     text = f"a reading of the {stream.sensor} is held over {hold:.3g} stamps on average"
@@ -147,14 +146,14 @@ def fresh(stream: Stream, found: Findings) -> Stream:
     return stream[first]
 
 
-def resolution(values: Array) -> float | None:
-    """Step of which all values are multiples, apart from an offset; None for continuous ones, or too few."""
+def resolution(values: Array) -> float:
+    """Step of which all values are multiples, apart from an offset; 0 for continuous ones, or too few."""
     steps = np.diff(np.unique(values))
     if len(steps) < 2:
-        return None
+        return 0.0
     multiples = steps / steps[steps > steps.sum() / MAX_GRID_STEPS].min()
     whole = np.round(multiples)
-    return None if np.abs(multiples - whole).max() > GRID_TOLERANCE else float(steps.sum() / whole.sum())
+    return 0.0 if np.abs(multiples - whole).max() > GRID_TOLERANCE else steps.sum() / whole.sum()
 
 
 def is_clipped(values: Array) -> bool:
@@ -165,8 +164,8 @@ def is_clipped(values: Array) -> bool:
     if is_long.sum() < 2:
         return False
     beside = np.append(firsts[is_long] - 1, lasts[is_long] + 1)
-    drop = np.median(top - values[np.clip(beside, 0, len(values) - 1)])
-    return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * (resolution(values) or 0.0), ROUND_OFF))
+    drop = top - np.median(values.take(beside, mode="clip"))
+    return bool(drop > max(CLIPPED_DROP * np.ptp(values), CLIPPED_READINGS * resolution(values), ROUND_OFF))
 
 
 def is_noisy(readings: Array) -> bool:
@@ -194,7 +193,7 @@ def tell_broken_axes(stream: Stream, *, noisy: bool, found: Findings) -> None:
 def tell_range_and_resolution(stream: Stream, found: Findings) -> None:
     """Tell the resolution of a sensor, if its axes have one, and its range, if it was reached."""
     name = stream.sensor
-    steps = [resolution(values) or np.nan for values in stream.readings.T]
+    steps = [resolution(values) for values in stream.readings.T]
     if np.max(steps) < (1.0 + GRID_TOLERANCE) * np.min(steps):
         found.note("resolution", f"the {name} reads multiples of {steps[0]:.4g}", steps[0])
         found.estimate(f"{name}_resolution", steps[0])

@@ -7,8 +7,9 @@ as well. Its mean with a Hann weight, stepped from one window to the next but on
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Final, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -27,29 +28,22 @@ from lie_rigid_body.inspection.rule import (
     MIN_LENGTHS,
     MIN_MISFIT,
     TURNS,
-    Gyro,
 )
 from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie.vectors import norm
 
-World: TypeAlias = Any
-"""Interpolation between the readings of a gyro, at ``x``, s, of arrays of shape (3, 6).
-
-They are the rotation from the body to the world, and its integral over time, s: how a rate bias turns the world."""
 _FLAT_TURNS: Final = TURNS.reshape(-1, 9)
 OF_TURNS: Final[Array] = np.pad(_FLAT_TURNS, ((0, 0), (0, 30)))
 """Column of each turn without constants, shape (24, 39).
 
 It has 9 elements of the turn, 3 of an offset of the turned readings, and 27 of the turn's products with a rate bias."""
 OF_CONSTANTS: Final[Array] = np.array(
-    [
-        np.vstack([np.zeros((9, 6)), -block_diag(np.eye(3), np.kron(turn[:, np.newaxis], np.eye(3)))])
-        for turn in _FLAT_TURNS
-    ]
+    [-block_diag(np.zeros((9, 0)), np.eye(3), np.kron(turn[:, np.newaxis], np.eye(3))) for turn in _FLAT_TURNS]
 )
 """Change of the column of each turn with an offset and a rate bias, rad/s, shape (24, 39, 6)."""
 
 
-def integrated(t_s: Array, rate: Array) -> World:
+def integrated(t_s: Array, rate: Array) -> interp1d:
     """World of a gyro, by the mean rate of neighbours.
 
     Parameters
@@ -58,9 +52,15 @@ def integrated(t_s: Array, rate: Array) -> World:
         Times of the readings, s, rising.
     rate : ndarray, shape (N, 3)
         Body rate, rad/s.
+
+    Returns
+    -------
+    interp1d
+        Between the readings, at ``x``, s, of arrays of shape (3, 6). They are the rotation from the body to the world,
+        and its integral over time, s: how a rate bias turns the world.
     """
-    steps = (rate[1:] + rate[:-1]) / 2.0 * np.diff(t_s)[:, np.newaxis]
-    rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(np.vstack([np.zeros(3), steps]))))
+    steps = np.diff(cumulative_trapezoid(rate, t_s, axis=0, initial=0), axis=0, prepend=0.0)
+    rotation = quaternion.to_matrix(quaternion.running_product(quaternion.exp(steps)))
     integral = cumulative_trapezoid(rotation, t_s, axis=0, initial=0)
     return interp1d(t_s, np.concatenate([rotation, integral], axis=2), axis=0, copy=False, assume_sorted=True)
 
@@ -85,10 +85,11 @@ def gram(windows: Array, chunks: int = 1) -> Array:
     return np.array([part.T @ part.copy() for part in parts]) / len(steps)
 
 
+@dataclass(eq=False)
 class Vector:
     """Readings of a sensor whose vector is constant in the world.
 
-    Parameters
+    Attributes
     ----------
     sensor : str
     t_s : ndarray, shape (N,)
@@ -97,10 +98,7 @@ class Vector:
     offset_cost : float
         Squared misfit that an offset of 1 costs.
     world : callable
-        World of a hypothesis about the gyro.
-
-    Attributes
-    ----------
+        World of a gyro, by its multiplier.
     size : float
         RMS of the readings.
     unit : ndarray, shape (N, 3)
@@ -109,45 +107,44 @@ class Vector:
         Lengths of windows, s, of which there are enough, with readings in each.
     """
 
-    def __init__(
-        self, sensor: str, t_s: Array, readings: Array, offset_cost: float, world: Callable[[Gyro], World]
-    ) -> None:
-        self.sensor = sensor
-        self.t_s = t_s
-        self.size = rms(np.linalg.norm(readings, axis=1))
-        self.unit = readings / self.size
-        self.offset_cost = offset_cost
-        self.world = world
-        longest = (np.ptp(t_s) - 2.0 * MAX_DELAY_S) / MIN_LENGTHS if len(t_s) else 0.0
-        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * np.ptp(t_s) <= each * len(t_s))
+    sensor: str
+    t_s: Array
+    readings: Array
+    offset_cost: float
+    world: Callable[[float], interp1d]
 
-    def windows(self, gyro: Gyro, delay_s: float, *lengths_s: float) -> list[Array]:
+    def __post_init__(self) -> None:
+        self.size = rms(norm(self.readings))
+        self.unit = self.readings / self.size
+        span_s = np.diff(self.t_s).sum()
+        longest = (span_s - 2.0 * MAX_DELAY_S) / MIN_LENGTHS
+        self.lengths_s = tuple(each for each in LENGTHS_S if each <= longest and 2.0 * span_s <= each * len(self.t_s))
+
+    def windows(self, gyro: float, delay_s: float, *lengths_s: float) -> Iterator[Array]:
         """Hann means over windows that start half a length apart, of the readings, true some time before their stamps.
 
         They are averaged over short blocks first.
 
-        Returns
-        -------
-        list of ndarray, shape (W, 3, 15)
+        Yields
+        ------
+        ndarray, shape (W, 3, 15)
             For each length nine products R_ia u_b, by i and by (a, b), the rotation R, and its integral. The products
             times the elements of a turn P, row by row, are R P u.
         """
         world = self.world(gyro)
         t_s = self.t_s - delay_s
         inside = np.flatnonzero((t_s >= world.x[0]) & (t_s <= world.x[-1]))
-        period = float(np.ptp(t_s[inside])) / (len(inside) - 1)
+        period = np.diff(t_s).mean()
         size = max(int(BLOCK_S / period), 1)
-        inside = inside[: len(inside) // size * size]
-        placed = world(t_s[inside]).reshape(-1, size, 3, 6)
+        rows = inside[: len(inside) // size * size].reshape(-1, size)
+        placed = world(t_s[rows])
         rotation = placed[..., :3].reshape(-1, size, 9)
-        products = rotation.swapaxes(1, 2) @ self.unit[inside].reshape(-1, size, 3) / size
+        products = rotation.swapaxes(1, 2) @ self.unit[rows] / size
         blocks = np.concatenate([products.reshape(-1, 3, 9), placed.mean(axis=1)], axis=2)
-        found = []
         for length_s in lengths_s:
             half = round(length_s / (size * period) / 2.0)
             views = sliding_window_view(blocks, 2 * half, axis=0)[::half]
-            found.append(views @ (np.hanning(2 * half + 1)[:-1] / half))
-        return found
+            yield views @ (np.hanning(2 * half + 1)[:-1] / half)
 
     def fit(self, grams: Array) -> Fit:
         """Fit every turn to the Gram matrices of chunks, each with its own offset and rate bias."""
@@ -169,11 +166,14 @@ class Fit(NamedTuple):
     constants : ndarray, shape (..., C)
     column : ndarray, shape (..., 39)
         Combination of the columns of the Gram matrix that is the misfit.
+    inverse : ndarray, shape (..., C, C)
+        Inverse of the matrix of the equations of the constants.
     """
 
     misfit: Array
     constants: Array
     column: Array
+    inverse: Array
 
 
 def least_misfit(total: Array, start: Array, changes: Array, costs: Array) -> Fit:
@@ -189,8 +189,8 @@ def least_misfit(total: Array, start: Array, changes: Array, costs: Array) -> Fi
         Squared misfit that a constant of 1 costs.
     """
     normal = changes.swapaxes(-1, -2) @ total
-    constants = -np.linalg.solve(normal @ changes + np.diag(costs), normal @ start[..., np.newaxis])
-    column = start + (changes @ constants)[..., 0]
-    constants = constants[..., 0]
+    inverse = np.linalg.inv(normal @ changes + np.diag(costs))
+    constants = -np.einsum("...ij,...j->...i", inverse @ normal, start)
+    column = start + np.einsum("...ij,...j->...i", changes, constants)
     squared = np.sum(column @ total * column, axis=-1) + constants**2 @ costs
-    return Fit(np.sqrt(np.maximum(squared, MIN_MISFIT**2)), constants, column)
+    return Fit(np.sqrt(np.maximum(squared, MIN_MISFIT**2)), constants, column, inverse)

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import Run, inspect, simulate
-from lie_rigid_body.inspection.explanations import SensorExplanation, SensorRepair, axes_of, axes_repairs, judged
+from lie_rigid_body.inspection.explanations import SensorExplanation, SensorRepair, axes_repairs, judged
 from lie_rigid_body.inspection.minimum import minimum
 from lie_rigid_body.inspection.rule import RIGHT, TURNS
 from lie_rigid_body.inspection.search import Fitting
@@ -59,10 +59,10 @@ def test_chunks_add_up_to_the_whole(readings: np.ndarray) -> None:
 
 def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
     """Each of three frames may be that of all: with equal turns of both vectors the gyro alone is wrong."""
-    turns = {"accelerometer": 5, "magnetometer": 5}
-    repairs = axes_repairs(axes_of(1, 5, turns))
+    turns = {"gyro": 0, "accelerometer": 5, "magnetometer": 5}
+    repairs = axes_repairs(1.0, 5, turns)
     assert [repair.code for repair in repairs] == ["gyro_axes"]
-    assert [repair.code for repair in axes_repairs(axes_of(1, 0, turns))] == [
+    assert [repair.code for repair in axes_repairs(1.0, 0, turns)] == [
         "accelerometer_axes",
         "magnetometer_axes",
     ]
@@ -71,7 +71,7 @@ def test_a_common_rotation_of_all_sensors_is_one_repair_of_the_gyro() -> None:
 def explained(*codes: str, ratio: float, late: tuple[str, ...] = ()) -> SensorExplanation:
     """An explanation by repairs of the gyro, of a vector that nobody measured."""
     repairs = tuple(SensorRepair(code, "gyro") for code in codes)
-    return SensorExplanation(repairs, late, RIGHT, {}, (Fitting(None, RIGHT, 0, 0.0, ratio),))  # type: ignore[arg-type]
+    return SensorExplanation(repairs, late, (Fitting(None, RIGHT, 0, 0.0, ratio),))  # type: ignore[arg-type]
 
 
 def test_fewer_repairs_that_are_not_excluded_leave_it_open() -> None:
@@ -79,20 +79,22 @@ def test_fewer_repairs_that_are_not_excluded_leave_it_open() -> None:
     late = explained(ratio=2.2, late=("magnetometer",))
     verdict = judged([explained(ratio=2.2), late, explained("time_step", ratio=1.3)])
     assert (verdict.named, verdict.fewer) == ((), True)
-    assert [repair.code for repair in verdict.undecided] == ["time_step"]
+    assert verdict.is_open
+    assert [repair.code for repair in verdict.alternatives] == ["time_step"]
 
 
 def test_what_fits_as_well_by_as_few_repairs_is_told_beside() -> None:
     verdict = judged([explained("gyro_units", ratio=1.1), explained("time_step", ratio=1.0)])
     assert [repair.code for repair in verdict.named] == ["gyro_units"]
-    assert [[repair.code for repair in each] for each in verdict.or_else] == [["time_step"]]
+    assert not verdict.is_open
+    assert [repair.code for repair in verdict.alternatives] == ["time_step"]
 
 
 def test_newton_finds_the_minimum_of_a_parabola() -> None:
     found = minimum(lambda place: (place - 0.3) ** 2 * np.ones(3) + 1.0, 0.0, 1.0)
     assert found.place == pytest.approx(0.3)
     assert found.sigma == pytest.approx(0.0, abs=1e-12)
-    assert found.slope == pytest.approx(np.sqrt(3.0))
+    assert found.level / found.width == pytest.approx(np.sqrt(3.0))
 
 
 def test_what_nothing_compares_is_undecided() -> None:

@@ -77,7 +77,7 @@ def waves(count: int = 1000) -> np.ndarray:
 @pytest.mark.parametrize(("hold", "mistakes", "notes"), [(1, 0, 0), (2, 1, 0), (5, 1, 0)])
 def test_held_readings_are_named_and_left_out(hold: int, mistakes: int, notes: int) -> None:
     found = Findings()
-    left = fresh(Stream.of("magnetometer", STAMPS, np.repeat(waves(), hold, axis=0)[: len(STAMPS)]), found)
+    left = fresh(Stream("magnetometer", STAMPS, np.repeat(waves(), hold, axis=0)[: len(STAMPS)]), found)
     assert (len(found.mistakes), len(found.notes)) == (mistakes, notes)
     assert len(left.t_ns) == len(STAMPS) // hold
 
@@ -85,7 +85,7 @@ def test_held_readings_are_named_and_left_out(hold: int, mistakes: int, notes: i
 def test_readings_of_a_slightly_slower_sensor_are_a_note() -> None:
     index = np.repeat(np.arange(1000), RNG.integers(1, 3, 1000))[: len(STAMPS)]
     found = Findings()
-    fresh(Stream.of("magnetometer", STAMPS, waves()[index]), found)
+    fresh(Stream("magnetometer", STAMPS, waves()[index]), found)
     assert found.mistakes == []
     assert [note.code for note in found.notes] == ["rates"]
     assert found.notes[0].value == pytest.approx(1.5, abs=0.05)
@@ -95,7 +95,7 @@ def test_readings_of_a_slightly_slower_sensor_are_a_note() -> None:
 def test_the_resolution_is_found_exactly(step: float) -> None:
     values = step * np.round(RNG.normal(size=500) * 300.0)
     assert resolution(values) == pytest.approx(step, rel=1e-9)
-    assert resolution(values + RNG.normal(size=500) * step) is None
+    assert resolution(values + RNG.normal(size=500) * step) == 0.0
 
 
 def test_a_range_is_where_readings_stay_and_drop_away() -> None:
@@ -111,7 +111,7 @@ def test_stuck_axes_are_named(axes: list[int]) -> None:
     noisy = is_noisy(readings)
     readings[:, axes] = 0.25
     found = Findings()
-    tell_broken_axes(Stream.of("gyro", STAMPS, readings), noisy=noisy, found=found)
+    tell_broken_axes(Stream("gyro", STAMPS, readings), noisy=noisy, found=found)
     assert [(mistake.code, mistake.sensor) for mistake in found.mistakes] == [("stuck", "gyro")]
 
 
@@ -120,5 +120,5 @@ def test_an_axis_of_a_perfect_sensor_may_stay() -> None:
     readings = waves()
     readings[:, 1] = 0.25
     found = Findings()
-    tell_broken_axes(Stream.of("gyro", STAMPS, readings), noisy=is_noisy(readings), found=found)
+    tell_broken_axes(Stream("gyro", STAMPS, readings), noisy=is_noisy(readings), found=found)
     assert (found.mistakes, list(found.undecided)) == ([], ["stuck"])
