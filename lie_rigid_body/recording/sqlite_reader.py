@@ -50,13 +50,11 @@ def _count(file: Path, contents: McapContents) -> None:
     """Put the topics of a file, and how many messages each has, into the contents."""
     with _opened(file) as bag:
         rows = bag.execute(
-            "SELECT name, type, serialization_format, count(messages.id), max(timestamp) FROM topics "
+            "SELECT name, type, serialization_format, count(messages.id) FROM topics "
             "LEFT JOIN messages ON topic_id = topics.id GROUP BY topics.id"
         )
-        for name, kind, encoding, count, last_ns in rows:
-            topic = contents.tracks.setdefault((name, kind), RawTopic(name, kind, encoding))
-            topic.count += count
-            contents.last_ns = max(contents.last_ns, last_ns or 0)
+        for name, kind, encoding, count in rows:
+            contents.tracks.setdefault((name, kind), RawTopic(name, kind, encoding)).count += count
 
 
 def _messages(file: Path, keys: Collection[TopicKey], progress: Progress) -> Iterator[ChunkMessages]:
