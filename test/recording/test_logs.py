@@ -480,9 +480,9 @@ def bag_of_two(path: Path) -> Path:
 
 BAD: list[tuple[Make, dict[str, object], str]] = [
     (lambda path: path / "none.csv", {}, "none.csv"),
-    (text(""), {}, "is empty"),
+    (text(""), {}, "no row"),
     (text(HEADER), {}, "no row"),
-    (text("hello", "world"), {}, "hello"),
+    (text("hello", "world"), {}, "no row"),
     (lambda path: write_text(path / "log.csv", b"\x89PNG\r\n\x1a\n\0\0"), {}, "no text"),
     *(
         (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], cell), *LINES[4:]), {}, "line 5")
@@ -511,10 +511,10 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text(HEADER, *LINES), {"imu": "/imu"}, "columns"),
     (lambda path: write_text(path / "old.bag", b"#ROSBAG V2.0\n"), {}, "rosbags-convert"),
     (gap_between_sensors, {}, "overlap"),
-    (damaged_zip, {}, "damaged"),
-    (lambda path: write_text(path / "z.zip", b"PK\3\4" + bytes(40)), {}, "damaged"),
-    (long_zip, {}, "has a line"),
-    (lambda path: path, {}, "nothing"),
+    (damaged_zip, {}, "cannot be read"),
+    (lambda path: write_text(path / "z.zip", b"PK\3\4" + bytes(40)), {}, "cannot be read"),
+    (long_zip, {}, "no gyro"),
+    (lambda path: path, {}, "no row"),
     (bag_of_text, {}, "SQLite"),
     (bag_without_imu, {}, "/pose"),
     (bag_of_two, {}, "/other"),
