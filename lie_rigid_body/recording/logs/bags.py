@@ -102,15 +102,10 @@ def _chosen(path: Path, contents: McapContents, kind: str, option: str, given: s
 def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[str, Vectors]]:
     """The sensors on a topic, and their readings."""
     where = places(track.message_type)
-    fields = _FIELDS[track.message_type]
-    columns = [[*where[field], *where[f"{field}_covariance"][::4]] for field in fields.values()]
-    parts = [
-        (decoded.stamps_ns, logged_ns, decoded.numbers[:, columns])
-        for logged_ns, decoded in stamped_numbers(path, contents, track)
-    ]
-    t_ns, logged_ns, numbers = map(np.concatenate, zip(*parts, strict=True))
-    for i, sensor in enumerate(fields):
-        values, variance = np.hsplit(numbers[:, i], 2)
-        if (variance[:, 0] == NOT_GIVEN).all():
-            continue
-        yield sensor, Vectors(t_ns, values, logged_ns, variance if variance.any() else None)
+    logged_ns, decoded = stamped_numbers(path, contents, track)
+    assert decoded.stamps_ns is not None
+    for sensor, field in _FIELDS[track.message_type].items():
+        variance = decoded.numbers[:, where[f"{field}_covariance"][::4]]
+        if not (variance[:, 0] == NOT_GIVEN).all():
+            values = decoded.numbers[:, where[field]]
+            yield sensor, Vectors(decoded.stamps_ns, values, logged_ns, variance if variance.any() else None)
