@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -18,7 +18,7 @@ from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER
 from lie_rigid_body.recording.logs.headings import GRAVITY, UNITS, Heading, heading, sensor_of, unit_key
 from lie_rigid_body.recording.logs.sources import sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
-from lie_rigid_body.recording.logs.times import as_number, clock_of, share_that_differs
+from lie_rigid_body.recording.logs.times import Clock, as_number, clock_of, share_that_differs
 
 FIELDS: Final = ("t", *(f"{sensor}_{axis}" for sensor in (GYRO, ACCELEROMETER, MAGNETOMETER) for axis in "xyz"))
 """Names by which columns are given."""
@@ -174,14 +174,7 @@ def _triples(table: TextTable) -> Iterator[Triple]:
 def _read(triple: Triple) -> tuple[Vectors, list[str]]:
     """The readings of a triple, and sentences about its unit and its time."""
     table = triple.table
-    first = [*islice(table.rows(list), _FIRST_ROWS)]
-    column = _time_of(table, triple.sensor, first)
-    head = table.headings[column]
-    clock = clock_of(head, [row[column] for row in first])
-    if clock is None:
-        remedy = f"name another column, or its unit, such as t={head.text}:ms"
-        told = f"size and steps of {shown(head.text)}, in {len(first)} rows, are those of no time"
-        raise InputError(f"{table.source}: {told}: {remedy}")
+    column, clock = _time_of(table, triple.sensor)
 
     def reading(cells: list[str]) -> tuple[int, tuple[float, ...]] | None:
         texts = [cells[axis] for axis in triple.columns]
@@ -194,22 +187,22 @@ def _read(triple: Triple) -> tuple[Vectors, list[str]]:
     t_ns, of_time = clock.unwrapped(read["t_ns"])
     sentences = [
         f"The {triple.sensor} is {triple.name}, {of_unit}.",
-        f"The time is {head.text} of {table.source.name}, {of_time}.",
+        f"The time is {table.headings[column].text} of {table.source.name}, {of_time}.",
     ]
     return Vectors(t_ns, factor * read["values"]), sentences
 
 
-def _time_of(table: TextTable, sensor: str, rows: Sequence[Sequence[str]]) -> int:
+def _time_of(table: TextTable, sensor: str) -> tuple[int, Clock]:
     """The column of the time of a sensor: one that is called after it, or else the one that differs at most rows."""
-    times = {column: head.words for column, head in enumerate(table.headings) if head.is_time}
-    if not times:
-        raise InputError(f"{table.source} has no time, but {table.columns}: name its column, such as t=1")
-    fitness = {
-        column: (
-            _GIVEN in words,
-            {sensor: 2, None: 1}.get(sensor_of(words), 0),
-            share_that_differs([row[column] for row in rows]),
-        )
-        for column, words in times.items()
-    }
-    return max(fitness, key=fitness.__getitem__)
+    rows = [*islice(table.rows(list), _FIRST_ROWS)]
+    times = {column: [row[column] for row in rows] for column, head in enumerate(table.headings) if head.is_time}
+
+    def fitness(column: int) -> tuple[bool, int, float]:
+        words = table.headings[column].words
+        return _GIVEN in words, {sensor: 2, None: 1}.get(sensor_of(words), 0), share_that_differs(times[column])
+
+    for column in sorted(times, key=fitness, reverse=True)[:1]:
+        clock = clock_of(table.headings[column], times[column])
+        if clock is not None:
+            return column, clock
+    raise InputError(f"{table.source} has no time of known unit, but {table.columns}: name it, such as t=1:ms")

@@ -21,7 +21,7 @@ _MIN_CELLS: Final = 4
 _COMMENTS: Final = ("#", "%", "//", "sep=")
 """Beginnings of lines that are no rows; a header may stand behind the first two."""
 _LONG: Final = ["Attribute", "Time stamp", "x", "y", "z"]
-"""Columns of a table whose rows name their sensor."""
+"""Columns of a table whose rows name their sensor, where no header does."""
 
 
 @short_dataclass
@@ -96,10 +96,10 @@ def read_table(source: TextSource) -> TextTable | None:
         filled = [*filter(None, cells)]
         if not line.startswith(_COMMENTS) and 2 * len(first_times(filled)) > len(filled):
             named = _cells(header, separator)
+            of_sensor = sensor_of(heading(cells[0]).words)
             if len(named) < _MIN_CELLS:
-                of_sensor = len(cells) == len(_LONG) and sensor_of(heading(cells[0]).words)
                 named = _LONG if of_sensor else [f"{i}" for i in range(1, len(cells) + 1)]
-            words = heading(cells[0] if named[0] == _LONG[0] else source.name.rpartition(".")[0]).words
+            words = heading(cells[0] if of_sensor else source.name.rpartition(".")[0]).words
             return TextTable(source, separator, [*map(heading, named)], number, words)
         if len(cells) >= _MIN_CELLS and not line.startswith(_COMMENTS[2:]):
             header = line.lstrip("#%")
