@@ -24,6 +24,11 @@ from lie_rigid_body.recording.mcap_contents import (
 if TYPE_CHECKING:
     import sqlite3
 
+_TOPICS: Final = (
+    "SELECT name, type, serialization_format, count(messages.id) FROM topics "
+    "LEFT JOIN messages ON topic_id = topics.id GROUP BY topics.id"
+)
+"""Query of the topics, and how many messages each has."""
 _PART: Final = 10_000
 """Messages that are read at once."""
 
@@ -41,24 +46,15 @@ def bag_contents(path: str | Path, wanted: TopicFilter) -> McapContents:
         return bag.contents(wanted)
     contents = McapContents()
     for file in bag.files:
-        _count(file, contents)
+        with _opened(file) as connection:
+            for name, kind, encoding, count in connection.execute(_TOPICS):
+                contents.tracks.setdefault((name, kind), RawTopic(name, kind, encoding)).count += count
         contents.again.append(partial(_messages, file))
     return contents
 
 
-def _count(file: Path, contents: McapContents) -> None:
-    """Put the topics of a file, and how many messages each has, into the contents."""
-    with _opened(file) as bag:
-        rows = bag.execute(
-            "SELECT name, type, serialization_format, count(messages.id) FROM topics "
-            "LEFT JOIN messages ON topic_id = topics.id GROUP BY topics.id"
-        )
-        for name, kind, encoding, count in rows:
-            contents.tracks.setdefault((name, kind), RawTopic(name, kind, encoding)).count += count
-
-
-def _messages(file: Path, keys: Collection[TopicKey], progress: Progress) -> Iterator[ChunkMessages]:
-    """Messages of some topics of a file, in the order in which they were recorded."""
+def _messages(file: Path, keys: Collection[TopicKey], _: Progress) -> Iterator[ChunkMessages]:
+    """Messages of some topics of a file, in the order in which they were recorded; nobody is told of the progress."""
     with _opened(file) as bag:
         for name, kind in keys:
             rows = bag.execute(
@@ -67,7 +63,6 @@ def _messages(file: Path, keys: Collection[TopicKey], progress: Progress) -> Ite
                 (name, kind),
             )
             while found := rows.fetchmany(_PART):
-                progress(sum(len(data) for _, data in found))
                 yield {(name, kind): RawMessages.of_payloads(found)}
 
 
