@@ -35,14 +35,27 @@ _BROKEN: Final = (RED, 0.25, "broken stamps, or a gap")
 """Shades of stretches of time by the texts of their marks, and that of others: colour, opacity and label."""
 _HOW: Final = f": {HOW}"
 _HEADINGS: Final = ("mistake", "sensor", "repair", "misfit before", "after", "or else")
-_SHOWN: Final = {
-    "imu": ("rate",),
-    "gyro": ("noise_density", "bias_random_walk", "turn_on_bias", "resolution", "range"),
-    "accelerometer": ("noise_density", "bias_random_walk", "resolution", "range"),
-    "magnetic": ("field",),
-    "magnetometer": ("rate", "noise_density", "hard_iron", "soft_iron", "resolution", "range", "clock_offset"),
-}
-"""Parameters that a log may show: sensors, and the ends of the names."""
+_SHOWN: Final = (
+    "imu_rate",
+    "gyro_noise_density",
+    "gyro_bias_random_walk",
+    "gyro_turn_on_bias",
+    "gyro_resolution",
+    "gyro_range",
+    "accelerometer_noise_density",
+    "accelerometer_bias_random_walk",
+    "accelerometer_resolution",
+    "accelerometer_range",
+    "magnetic_field",
+    "magnetometer_rate",
+    "magnetometer_noise_density",
+    "magnetometer_hard_iron",
+    "magnetometer_soft_iron",
+    "magnetometer_resolution",
+    "magnetometer_range",
+    "magnetometer_clock_offset",
+)
+"""Parameters that a log may show."""
 
 
 def parts_of_inspection(found: Inspection) -> Parts:
@@ -104,12 +117,11 @@ def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
     told = dict(sensors)
     if "gyro_bias" in told:  # the simulator draws one by its standard deviation
         told["gyro_turn_on_bias"] = Estimated(math.sqrt(np.mean(np.square(told["gyro_bias"].value))), 0.0)
-    shown = [f"{sensor}_{end}" for sensor, ends in _SHOWN.items() for end in ends]
     lines = [
         f"# Sensors as in {name}, by '{program('inspect')}'. What the log does not show is a comment.",
         "/**:",
         f"  {PARAMETERS_KEY}:",
-        *(f"    {each}: {_yaml(told.pop(each))}" if each in told else f"    # {each}: not shown" for each in shown),
+        *(f"    {each}: {_yaml(told.pop(each))}" if each in told else f"    # {each}: not shown" for each in _SHOWN),
         *(f"    # no parameter, but {what}: {_yaml(found)}" for what, found in told.items()),
         "",
     ]
@@ -118,12 +130,11 @@ def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
 
 def _yaml(found: Estimated) -> str:
     """Value, and its standard error as a comment; all digits where there is none."""
-    values = np.atleast_1d(found.value).tolist()
-    errors = np.atleast_1d(found.standard_error).tolist()
-    if any(errors):
-        values = [float(f"{value:.6g}") for value in values]
-    text = str(values if isinstance(found.value, tuple) else values[0])
-    return f"{text}  # ± {numerals(errors, 2)}" if any(errors) else text
+    errors = np.atleast_1d(found.standard_error)
+    if not errors.any():
+        return f"{np.asarray(found.value).tolist()}"
+    values = [float(f"{value:.6g}") for value in np.atleast_1d(found.value)]
+    return f"{values if len(values) > 1 else values[0]}  # ± {numerals(errors, 2)}"
 
 
 def csv_of(run: Run) -> bytes:
@@ -156,13 +167,14 @@ def _curves(found: Inspection, stream: Stream) -> str:
         for mark in found.marks:
             if mark.sensor in names:
                 colour, alpha, shade = _SHADES.get(mark.text, _BROKEN)
-                ends = ((at - begin_ns) / NS for at in (mark.begin_ns, mark.end_ns))
+                begin_s = (mark.begin_ns - begin_ns) / NS
+                end_s = (mark.end_ns - begin_ns) / NS
                 is_labelled = shade in axes.get_legend_handles_labels()[1]
-                axes.axvspan(*ends, color=colour, alpha=alpha, label=None if is_labelled else shade)
+                axes.axvspan(begin_s, end_s, color=colour, alpha=alpha, label=None if is_labelled else shade)
         axes.margins(x=0.0)
         axes.set(xlabel="time [s]", ylabel=f"readings [{unit}]")
 
-    return html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
+    return html_page.plane(": ".join([sensor, *codes]), draw)
 
 
 def _allan_deviation(found: Inspection, stream: Stream) -> str:

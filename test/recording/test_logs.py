@@ -502,7 +502,7 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text(HEADER, *LINES), {"columns": {"gyro_x": "hx"}}, "hx"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": 99}}, "99"),
     (text(HEADER, *LINES), {"columns": ["gx"]}, "wx:deg/s"),
-    (text(HEADER, *[f"2024-13-45 10:11:12{line[line.index(',') :]}" for line in LINES]), {}, "no time"),
+    (text(HEADER, *[f"2024-13-45 10:11:12{line[line.index(',') :]}" for line in LINES]), {}, "line 2: Month"),
     (text('"' + "9" * 200_000 + ",gx,gy,gz", *LINES), {}, "such as t=1"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": "ax"}}, "three axes"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": "gx:kg", "gyro_y": "gy:kg", "gyro_z": "gz:kg"}}, "kg"),

@@ -141,7 +141,7 @@ def clock_of(head: Heading, texts: Sequence[str]) -> Clock | None:
         None if they are no times, or neither name, size nor steps tell the unit.
     """
     numbers = first_times(texts)
-    if len(numbers) and ":" in "".join(texts):
+    if ":" in "".join(texts):
         return Clock(0, "a time of day")
     keys = [key for key in map(unit_key, (head.unit, *head.words)) if key in UNITS[TIME]]
     if keys:
