@@ -12,7 +12,7 @@ import numpy as np
 from lie_rigid_body.evaluation import SampledTruth
 from lie_rigid_body.evaluation.attitudes import period_ns
 from lie_rigid_body.evaluation.gyro import GyroFit
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers, linear
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, report
@@ -105,9 +105,7 @@ class Inspection(Shown):
                 if key == sensor:
                     t_ns = t_ns - round(change.delay_s * NS)
                 elif change.delay_s:  # the stamps of an IMU are common
-                    since = t_ns - t_ns[0]
-                    later = since + change.delay_s * NS
-                    readings = np.stack([np.interp(later, since, axis) for axis in readings.T], axis=1)
+                    readings = linear(t_ns + round(change.delay_s * NS), t_ns, readings)
                 sensors[key] = SensorArrays(t_ns, sensors[key].arrival_ns, {**sensors[key].arrays, name: readings})
         run = replace(self.run, sensors=sensors)
         known = self.run.given_truth

@@ -7,7 +7,6 @@ from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
-from urllib.parse import quote
 
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import SUFFIXES, BagFiles
@@ -42,7 +41,7 @@ def bag_contents(path: str | Path, wanted: TopicFilter) -> McapContents:
         If it is no bag, or cut off or damaged.
     """
     bag = BagFiles(path)
-    if not any(file.suffix.lower() == SUFFIXES[1] for file in bag.files):
+    if bag.files[0].suffix.lower() != SUFFIXES[1]:
         return bag.contents(wanted)
     contents = McapContents()
     for file in bag.files:
@@ -72,7 +71,7 @@ def _opened(file: Path) -> Iterator[sqlite3.Connection]:
     import sqlite3  # which a Python may lack
 
     try:
-        with closing(sqlite3.connect(f"file:{quote(str(file.resolve()))}?mode=ro", uri=True)) as bag:
+        with closing(sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True)) as bag:
             yield bag
     except (sqlite3.Error, TypeError, ValueError) as error:
         raise BagError(f"{file} cannot be read as a bag in SQLite: {error}: restore it, or record it again") from None
