@@ -107,8 +107,8 @@ def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], 
             found[triple.sensor].append(triple)
     gravity = found.pop(GRAVITY, [])
     if GYRO not in found:
-        there = "; ".join(table.columns for table in tables[:3])
-        raise InputError(f"{path} has no gyro, but {there}: name its columns, such as t=1, gyro_x=2:deg/s")
+        there = listed(_texts(*tables))
+        raise InputError(f"{path} has no gyro, but the columns {there}: name its columns, such as t=1, gyro_x=2:deg/s")
     read = dict[str, Vectors]()
     taken = list[str]()
     for sensor, alike in found.items():
@@ -137,16 +137,21 @@ def _name_columns(tables: list[TextTable], columns: GivenColumns) -> None:
             (table, column, f"{given}"[len(name) + 1 :])
             for table in tables
             for column, head in enumerate(table.headings)
-            for name in (head.text, f"{column + 1}" * (len(tables) == 1))
+            for name in (head.text, f"{column + 1}" if len(tables) == 1 else head.text)
             if f"{given}:".startswith(f"{name}:")
         ]
         if not found:
-            texts = [head.text for table in tables for head in table.headings]
-            raise InputError(f"columns: no column {shown(given)}: {suggestion(f'{given}', texts, 'columns')}")
+            known = suggestion(f"{given}", _texts(*tables), "columns")
+            raise InputError(f"columns: no column {shown(given)}: {known}")
         for table, column, unit in found:
             head = table.headings[column]
             named = heading(f"{_GIVEN} {'time' if field == 't' else field} ({unit or head.unit})")
             table.headings[column] = replace(named, text=head.text)
+
+
+def _texts(*tables: TextTable) -> list[str]:
+    """The headers of all columns."""
+    return [head.text for table in tables for head in table.headings]
 
 
 def _triples(table: TextTable) -> Iterator[Triple]:
@@ -166,8 +171,7 @@ def _triples(table: TextTable) -> Iterator[Triple]:
         of_logger = table.program[0] == "Sensor Logger" and every == {ACCELEROMETER}
         is_free = sensor == ACCELEROMETER and (of_logger or not (is_ros or every.isdisjoint(_WITHOUT_GRAVITY)))
         has_unit = bool(table.headings[axes[0]].unit)
-        rank = 2.0 * is_free + (not every.isdisjoint(_COMPUTED)) - ("total" in every)
-        rank -= 9.0 * (_GIVEN in words) + 0.25 * has_unit
+        rank = 2.0 * is_free + (not every.isdisjoint(_COMPUTED)) - 9.0 * (_GIVEN in words) - 0.25 * has_unit
         yield Triple(table, sensor, [axes[axis] for axis in range(3)], rank, is_free)
 
 
@@ -205,4 +209,5 @@ def _time_of(table: TextTable, sensor: str) -> tuple[int, Clock]:
         clock = clock_of(table.headings[column], times[column])
         if clock is not None:
             return column, clock
-    raise InputError(f"{table.source} has no time of known unit, but {table.columns}: name it, such as t=1:ms")
+    there = listed(_texts(table))
+    raise InputError(f"{table.source} has no time of known unit, but the columns {there}: name it, such as t=1:ms")

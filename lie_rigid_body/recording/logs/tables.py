@@ -9,7 +9,7 @@ from typing import Final, TypeVar
 
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed, shortened, shown
+from lie_rigid_body.foundation.wording import shortened
 from lie_rigid_body.recording.logs.headings import LAYOUTS, Heading, heading, sensor_of
 from lie_rigid_body.recording.logs.sources import TextSource, lines_of
 from lie_rigid_body.recording.logs.times import first_times
@@ -46,11 +46,6 @@ class TextTable:
     headings: list[Heading]
     skipped: int
     words: tuple[str, ...]
-
-    @property
-    def columns(self) -> str:
-        """The columns that there are, for errors."""
-        return f"the columns {listed([shown(head.text) for head in self.headings])}"
 
     @property
     def program(self) -> tuple[str, Mapping[str, str]]:
