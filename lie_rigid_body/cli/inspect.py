@@ -42,7 +42,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.runs import Run
 
-    inputs = [file for file in (given.log, given.truth) if file is not None]
+    inputs = [*filter(None, (given.log, given.truth))]
     require_outputs(given, inputs, "json", "report", "parameters", "out", suffixes={"out": ".csv"})
     run = Run.from_log(
         given.log,
@@ -53,12 +53,12 @@ def main(given: argparse.Namespace) -> int:
     )
     found = inspect(run)
     parts = parts_of_inspection(found)
-    title = f"Inspection of {printable(given.log)}"
+    log = printable(given.log)
     return emit(
         given,
         {
-            given.report: lambda: as_page(title, parts),
-            given.parameters: lambda: parameters_of(found.sensors, printable(given.log)),
+            given.report: lambda: as_page(f"Inspection of {log}", parts),
+            given.parameters: lambda: parameters_of(found.sensors, log),
             given.out: lambda: csv_of(found.repaired()),
         },
         lambda: as_text(found),

@@ -134,11 +134,7 @@ def inspect(run: Run | str | Path) -> Inspection:
     require_run(run)
     found = Findings()
     stamps = _stamps(run, found)
-    every = {
-        sensor: Stream(sensor, stamps[key], readings)[np.isfinite(readings).all(axis=1)]
-        for sensor, (key, name) in READINGS.items()
-        if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
-    }
+    every = streams_of(run, stamps)
     streams = {sensor: fresh(stream, found) for sensor, stream in every.items()}
     noisy = any(is_noisy(stream.readings) for stream in streams.values())
     for sensor, stream in reversed(streams.items()):  # an IMU has the rate of its gyro
@@ -178,6 +174,15 @@ def inspect(run: Run | str | Path) -> Inspection:
         found.changes,
         truth,
     )
+
+
+def streams_of(run: Run, stamps: Mapping[str, Integers]) -> dict[str, Stream]:
+    """Readings of the sensors of a run that have stamps, ns."""
+    return {
+        sensor: Stream(sensor, stamps[key], readings)[np.isfinite(readings).all(axis=1)]
+        for sensor, (key, name) in READINGS.items()
+        if key in stamps and (readings := getattr(run.sensors[key], name)) is not None
+    }
 
 
 def _stamps(run: Run, found: Findings) -> dict[str, Integers]:

@@ -138,8 +138,6 @@ class McapContents:
     metadata : dict of str to dict
         Metadata records by name.
     attachments : int
-    last_ns : int
-        The latest log time, ns.
     again : list of callable
         For each file, which was found whole, a function that reads the messages of some tracks in it again.
     """
@@ -150,7 +148,6 @@ class McapContents:
     tracks: dict[TopicKey, RawTopic] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: int = 0
-    last_ns: int = 0
     again: list[Callable[[Collection[TopicKey], Progress], Iterator[ChunkMessages]]] = field(default_factory=list)
 
     def read(self, keys: Collection[TopicKey], progress: Progress = unheard) -> Iterator[ChunkMessages]:

@@ -222,7 +222,6 @@ class _FileReader:
         """Add the topics without messages, and what reads the file again."""
         for number in self._summary.channels:
             self._track(number)
-        self._contents.last_ns = max(self._contents.last_ns, self._summary.last_ns)
         self._contents.again.append(partial(_read_again, self._file.path, self._state, self._places))
 
     def _cut_off(self, end: int) -> BagError:

@@ -7,7 +7,6 @@ from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
-from urllib.parse import quote
 
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import SUFFIXES, BagFiles
@@ -24,6 +23,11 @@ from lie_rigid_body.recording.mcap_contents import (
 if TYPE_CHECKING:
     import sqlite3
 
+_TOPICS: Final = (
+    "SELECT name, type, serialization_format, count(messages.id) FROM topics "
+    "LEFT JOIN messages ON topic_id = topics.id GROUP BY topics.id"
+)
+"""Query of the topics, and how many messages each has."""
 _PART: Final = 10_000
 """Messages that are read at once."""
 
@@ -37,30 +41,19 @@ def bag_contents(path: str | Path, wanted: TopicFilter) -> McapContents:
         If it is no bag, or cut off or damaged.
     """
     bag = BagFiles(path)
-    if not any(file.suffix.lower() == SUFFIXES[1] for file in bag.files):
+    if bag.files[0].suffix.lower() != SUFFIXES[1]:
         return bag.contents(wanted)
     contents = McapContents()
     for file in bag.files:
-        _count(file, contents)
+        with _opened(file) as connection:
+            for name, kind, encoding, count in connection.execute(_TOPICS):
+                contents.tracks.setdefault((name, kind), RawTopic(name, kind, encoding)).count += count
         contents.again.append(partial(_messages, file))
     return contents
 
 
-def _count(file: Path, contents: McapContents) -> None:
-    """Put the topics of a file, and how many messages each has, into the contents."""
-    with _opened(file) as bag:
-        rows = bag.execute(
-            "SELECT name, type, serialization_format, count(messages.id), max(timestamp) FROM topics "
-            "LEFT JOIN messages ON topic_id = topics.id GROUP BY topics.id"
-        )
-        for name, kind, encoding, count, last_ns in rows:
-            topic = contents.tracks.setdefault((name, kind), RawTopic(name, kind, encoding))
-            topic.count += count
-            contents.last_ns = max(contents.last_ns, last_ns or 0)
-
-
-def _messages(file: Path, keys: Collection[TopicKey], progress: Progress) -> Iterator[ChunkMessages]:
-    """Messages of some topics of a file, in the order in which they were recorded."""
+def _messages(file: Path, keys: Collection[TopicKey], _: Progress) -> Iterator[ChunkMessages]:
+    """Messages of some topics of a file, in the order in which they were recorded; nobody is told of the progress."""
     with _opened(file) as bag:
         for name, kind in keys:
             rows = bag.execute(
@@ -69,7 +62,6 @@ def _messages(file: Path, keys: Collection[TopicKey], progress: Progress) -> Ite
                 (name, kind),
             )
             while found := rows.fetchmany(_PART):
-                progress(sum(len(data) for _, data in found))
                 yield {(name, kind): RawMessages.of_payloads(found)}
 
 
@@ -79,7 +71,7 @@ def _opened(file: Path) -> Iterator[sqlite3.Connection]:
     import sqlite3  # which a Python may lack
 
     try:
-        with closing(sqlite3.connect(f"file:{quote(str(file.resolve()))}?mode=ro", uri=True)) as bag:
+        with closing(sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True)) as bag:
             yield bag
     except (sqlite3.Error, TypeError, ValueError) as error:
         raise BagError(f"{file} cannot be read as a bag in SQLite: {error}: restore it, or record it again") from None

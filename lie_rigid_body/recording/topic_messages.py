@@ -161,8 +161,8 @@ def topic_messages(path: Path, key: TopicKey, parts: Iterable[RawMessages], firs
     return _decoded(path, *key, raw, first) if len(raw) else TopicMessages.none_of(key[1])
 
 
-def stamped_numbers(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[Integers, Decoded]]:
-    """Log times, ns, and all float64 fields of the messages with a header on a topic, part by part.
+def stamped_numbers(path: Path, contents: McapContents, track: RawTopic) -> tuple[Integers, Decoded]:
+    """Log times, ns, and all float64 fields of the messages with a header on a topic.
 
     Raises
     ------
@@ -170,13 +170,10 @@ def stamped_numbers(path: Path, contents: McapContents, track: RawTopic) -> Iter
         If one cannot be decoded.
     """
     require_cdr(path, track)
-    width = len(places(track.message_type)[""])
-    first = 0
-    for part in contents.read([track.key]):
-        if (raw := part.get(track.key)) is not None:
-            with decoding(path, track.topic, raw):
-                yield raw.log_times_ns, _columns(raw, width, first=first)
-            first += len(raw)
+    raw = contents.messages(track.key)
+    with decoding(path, track.topic, raw):
+        decoded = _columns(raw, len(places(track.message_type)[""]))
+    return raw.log_times_ns, decoded
 
 
 def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from lie_rigid_body.estimates.programs import lines_of
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import SI, counted, numerals, program
 from lie_rigid_body.inspection import Estimated, Inspection
-from lie_rigid_body.inspection.findings import HOW, Mark
-from lie_rigid_body.inspection.inspection import READINGS
+from lie_rigid_body.inspection.findings import HOW
+from lie_rigid_body.inspection.inspection import READINGS, streams_of
+from lie_rigid_body.inspection.stamps import Stream
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Parts, Picture, Sentences, Table
-from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREY, ORANGE, RED
+from lie_rigid_body.report.drawing import BLUE, COLOURS, GREY, ORANGE, RED
 from lie_rigid_body.runs import Run
 from lie_rigid_body.scenario.parameter_file import PARAMETERS_KEY
 from lie_rigid_body.sensors.allan import allan, density
@@ -33,14 +35,27 @@ _BROKEN: Final = (RED, 0.25, "broken stamps, or a gap")
 """Shades of stretches of time by the texts of their marks, and that of others: colour, opacity and label."""
 _HOW: Final = f": {HOW}"
 _HEADINGS: Final = ("mistake", "sensor", "repair", "misfit before", "after", "or else")
-_SHOWN: Final = {
-    "imu": ("rate",),
-    "gyro": ("noise_density", "bias_random_walk", "turn_on_bias", "resolution", "range"),
-    "accelerometer": ("noise_density", "bias_random_walk", "resolution", "range"),
-    "magnetic": ("field",),
-    "magnetometer": ("rate", "noise_density", "hard_iron", "soft_iron", "resolution", "range", "clock_offset"),
-}
-"""Parameters that a log may show: sensors, and the ends of the names."""
+_SHOWN: Final = (
+    "imu_rate",
+    "gyro_noise_density",
+    "gyro_bias_random_walk",
+    "gyro_turn_on_bias",
+    "gyro_resolution",
+    "gyro_range",
+    "accelerometer_noise_density",
+    "accelerometer_bias_random_walk",
+    "accelerometer_resolution",
+    "accelerometer_range",
+    "magnetic_field",
+    "magnetometer_rate",
+    "magnetometer_noise_density",
+    "magnetometer_hard_iron",
+    "magnetometer_soft_iron",
+    "magnetometer_resolution",
+    "magnetometer_range",
+    "magnetometer_clock_offset",
+)
+"""Parameters that a log may show."""
 
 
 def parts_of_inspection(found: Inspection) -> Parts:
@@ -66,7 +81,7 @@ def parts_of_inspection(found: Inspection) -> Parts:
             ],
             "Parameters of the sensors, repaired",
         ),
-        Picture(lambda: html_page.grid([*_curves(found), *_allan_deviations(found), *_fields(found)])),
+        Picture(lambda: html_page.grid(_figures(found))),
     ]
 
 
@@ -100,30 +115,26 @@ def parameters_of(sensors: Mapping[str, Estimated], name: str) -> bytes:
         Of the log.
     """
     told = dict(sensors)
-    bias = told.pop("gyro_bias", None)
-    if bias is not None:  # the simulator draws one by its standard deviation
-        told["gyro_turn_on_bias"] = Estimated(math.sqrt(np.mean(np.square(bias.value))), 0.0)
+    if "gyro_bias" in told:  # the simulator draws one by its standard deviation
+        told["gyro_turn_on_bias"] = Estimated(math.sqrt(np.mean(np.square(told["gyro_bias"].value))), 0.0)
     lines = [
         f"# Sensors as in {name}, by '{program('inspect')}'. What the log does not show is a comment.",
         "/**:",
         f"  {PARAMETERS_KEY}:",
+        *(f"    {each}: {_yaml(told.pop(each))}" if each in told else f"    # {each}: not shown" for each in _SHOWN),
+        *(f"    # no parameter, but {what}: {_yaml(found)}" for what, found in told.items()),
+        "",
     ]
-    for parameter in (f"{sensor}_{end}" for sensor, ends in _SHOWN.items() for end in ends):
-        found = told.pop(parameter, None)
-        lines.append(f"    # {parameter}: not shown" if found is None else f"    {parameter}: {_yaml(found)}")
-    others = {"gyro_bias": bias, **told}
-    lines += [f"    # no parameter, but {what}: {_yaml(found)}" for what, found in others.items() if found is not None]
-    return "\n".join([*lines, ""]).encode()
+    return "\n".join(lines).encode()
 
 
 def _yaml(found: Estimated) -> str:
     """Value, and its standard error as a comment; all digits where there is none."""
-    values = np.atleast_1d(found.value).tolist()
-    errors = np.atleast_1d(found.standard_error).tolist()
-    if any(errors):
-        values = [float(f"{value:.6g}") for value in values]
-    text = str(values if isinstance(found.value, tuple) else values[0])
-    return f"{text}  # ± {numerals(errors, 2)}" if any(errors) else text
+    errors = np.atleast_1d(found.standard_error)
+    if not errors.any():
+        return f"{np.asarray(found.value).tolist()}"
+    values = [float(f"{value:.6g}") for value in np.atleast_1d(found.value)]
+    return f"{values if len(values) > 1 else values[0]}  # ± {numerals(errors, 2)}"
 
 
 def csv_of(run: Run) -> bytes:
@@ -131,83 +142,73 @@ def csv_of(run: Run) -> bytes:
     return "\n".join([*lines_of(run), ""]).encode()
 
 
-def _curves(found: Inspection) -> Iterator[str]:
-    """The readings over time, the rest, the stretch that was compared, and what is broken."""
-    given = [(sensor, *_readings(found, found.run, sensor)) for sensor in READINGS]
-    there = [(sensor, key, t_ns, readings) for sensor, key, t_ns, readings in given if readings is not None]
-    begin_ns = min(int(t_ns.min()) for *_, t_ns, _ in there)
-    for sensor, key, t_ns, readings in there:
-        names = sensor, key, "log"
-        codes = [mistake.code for mistake in found.mistakes if mistake.sensor in names]
-        unit = "?" if f"{sensor}_units" in codes else SI[sensor]
-        marks = [mark for mark in found.marks if mark.sensor in names]
-        draw = partial(_draw_readings, t_ns=t_ns, readings=readings, marks=marks, begin_ns=begin_ns, unit=unit)
-        yield html_page.plane(": ".join(filter(None, (sensor, ", ".join(codes)))), draw)
+def _figures(found: Inspection) -> Iterator[str]:
+    """The readings over time; repaired, the Allan deviations of what rests, and the field on each pair of axes."""
+    for stream in streams_of(found.run, found.stamps).values():
+        yield _curves(found, stream)
+    for sensor, stream in streams_of(found.repaired(), found.stamps).items():
+        if f"{sensor}_noise_density" in found.sensors:
+            yield _allan_deviation(found, stream)
+        if f"{sensor}_hard_iron" in found.sensors:
+            yield from _fields(found, stream.readings)
 
 
-def _draw_readings(
-    axes: Axes, t_ns: Integers, readings: Array, marks: Sequence[Mark], begin_ns: int, unit: str
-) -> None:
-    t_s = (t_ns - begin_ns) / 1e9
-    for values, colour, name in zip(readings.T, COLOURS, "xyz", strict=True):
-        axes.plot(t_s, values, color=colour, lw=0.8, label=name)
-    for mark in marks:
-        colour, alpha, shade = _SHADES.get(mark.text, _BROKEN)
-        ends = ((at - begin_ns) / 1e9 for at in (mark.begin_ns, mark.end_ns))
-        is_labelled = shade in axes.get_legend_handles_labels()[1]
-        axes.axvspan(*ends, color=colour, alpha=alpha, label=None if is_labelled else shade)
-    axes.margins(x=0.0)
-    axes.set(xlabel="time [s]", ylabel=f"readings [{unit}]")
+def _curves(found: Inspection, stream: Stream) -> str:
+    """Readings over time, the rest, the stretch that was compared, and what is broken."""
+    sensor = stream.sensor
+    names = sensor, READINGS[sensor][0], "log"
+    codes = [mistake.code for mistake in found.mistakes if mistake.sensor in names]
+    unit = "?" if f"{sensor}_units" in codes else SI[sensor]
+    begin_ns = min(stamps[0] for stamps in found.stamps.values())
+
+    def draw(axes: Axes) -> None:
+        for values, colour, name in zip(stream.readings.T, COLOURS, "xyz", strict=True):
+            axes.plot((stream.t_ns - begin_ns) / NS, values, color=colour, lw=0.8, label=name)
+        for mark in found.marks:
+            if mark.sensor in names:
+                colour, alpha, shade = _SHADES.get(mark.text, _BROKEN)
+                begin_s = (mark.begin_ns - begin_ns) / NS
+                end_s = (mark.end_ns - begin_ns) / NS
+                is_labelled = shade in axes.get_legend_handles_labels()[1]
+                axes.axvspan(begin_s, end_s, color=colour, alpha=alpha, label=None if is_labelled else shade)
+        axes.margins(x=0.0)
+        axes.set(xlabel="time [s]", ylabel=f"readings [{unit}]")
+
+    return html_page.plane(": ".join([sensor, *codes]), draw)
 
 
-def _readings(found: Inspection, run: Run, sensor: str) -> tuple[str, Integers, Any]:
-    """Key of a sensor, its repaired stamps, ns, or numbers where no stamps tell a time, and its readings or None."""
-    key, array = READINGS[sensor]
-    readings = getattr(run.sensors.get(key), array, None)
-    return key, found.stamps.get(key, np.arange(0 if readings is None else len(readings))), readings
-
-
-def _allan_deviations(found: Inspection) -> Iterator[str]:
-    """The Allan deviation of each sensor at rest, with the fit of white noise and a random walk."""
-    told = [sensor for sensor in READINGS if f"{sensor}_noise_density" in found.sensors]
-    for sensor in told:
-        yield html_page.plane(f"Allan deviation of the {sensor}", partial(_draw_allan, found=found, sensor=sensor))
-
-
-def _draw_allan(axes: Axes, found: Inspection, sensor: str) -> None:
+def _allan_deviation(found: Inspection, stream: Stream) -> str:
+    """The Allan deviation of a sensor at rest, with the fit of white noise and a random walk."""
     (rest,) = (mark for mark in found.marks if mark.text == "rest")
-    _, t_ns, readings = _readings(found, found.repaired(), sensor)
-    still = (t_ns >= rest.begin_ns) & (t_ns <= rest.end_ns)
-    measured = allan(readings[still], np.median(np.diff(t_ns)) / 1e9)
+    still = stream.between(rest.begin_ns, rest.end_ns)
+    measured = allan(still.readings, still.step_s)
     fitted = density(measured)
-    axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
-    model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
-    axes.loglog(measured.tau_s, model, color=ORANGE, label="white noise and random walk")
-    axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{SI[sensor]}]")
-    axes.xaxis.set_minor_formatter("")
+
+    def draw(axes: Axes) -> None:
+        axes.loglog(measured.tau_s, np.sqrt(measured.variance), "o", color=BLUE, ms=4, label="measured")
+        model = np.sqrt(fitted.white**2 / measured.tau_s + fitted.walk**2 * measured.tau_s / 3.0)
+        axes.loglog(measured.tau_s, model, color=ORANGE, label="white noise and random walk")
+        axes.set(xlabel="averaging time [s]", ylabel=f"Allan deviation [{SI[stream.sensor]}]")
+        axes.xaxis.set_minor_formatter("")
+
+    return html_page.plane(f"Allan deviation of the {stream.sensor}", draw)
 
 
-def _fields(found: Inspection) -> Iterator[str]:
-    """Readings of the magnetometer on each pair of axes, before and after hard and soft iron are taken off."""
-    if "magnetometer_hard_iron" not in found.sensors:
-        return
-    *_, field = _readings(found, found.repaired(), "magnetometer")
-    iron = np.asarray(found.sensors["magnetometer_hard_iron"].value)
+def _fields(found: Inspection, field: Array) -> Iterator[str]:
+    """The field on each pair of axes, before and after hard and soft iron are taken off, and a circle of its size."""
     soft = found.sensors.get("magnetometer_soft_iron")
     matrix = np.eye(3) if soft is None else np.linalg.inv(np.reshape(soft.value, (3, 3)))
-    both = 1e6 * np.stack([field, (field - iron) @ matrix.T])
+    after = (field - found.sensors["magnetometer_hard_iron"].value) @ matrix.T
+    some = slice(None, None, max(len(field) // 1000, 1))
+
+    def draw(axes: Axes, i: int, j: int) -> None:
+        from matplotlib.patches import Circle
+
+        radius = 1e6 * np.median(np.linalg.norm(after, axis=1))
+        axes.add_patch(Circle((0.0, 0.0), radius, fill=False, lw=0.8, label="size of the field"))
+        for points, colour, label in ((field, ORANGE, "before"), (after, BLUE, "after")):
+            axes.plot(*(1e6 * points[some, [i, j]].T), ".", color=colour, ms=2, label=label)
+        axes.set(xlabel=f"{'xyz'[i]} [µT]", ylabel=f"{'xyz'[j]} [µT]", aspect="equal", adjustable="datalim")
+
     for i, j in ((0, 1), (1, 2), (2, 0)):
-        draw = partial(_draw_field, both=both, i=i, j=j)
-        yield html_page.plane(f"Magnetic field on {'xyz'[i]} and {'xyz'[j]}", draw)
-
-
-def _draw_field(axes: Axes, both: Array, i: int, j: int) -> None:
-    """Draw components of readings of shape (2, N, 3), µT, and a circle of the size of the field."""
-    radius = np.median(np.linalg.norm(both[1], axis=1))
-    circle = radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 200))
-    rows = slice(None, None, max(both.shape[1] // 1000, 1))
-    axes.plot(circle.real, circle.imag, color=BLACK, lw=0.8, label="size of the field")
-    for points, colour, label in zip(both[:, rows], (ORANGE, BLUE), ("before", "after"), strict=True):
-        axes.plot(points[:, i], points[:, j], ".", color=colour, ms=2, label=label)
-    axes.set(xlabel=f"{'xyz'[i]} [µT]", ylabel=f"{'xyz'[j]} [µT]", aspect="equal")
-    axes.set_adjustable("datalim")
+        yield html_page.plane(f"Magnetic field on {'xyz'[i]} and {'xyz'[j]}", partial(draw, i=i, j=j))

@@ -46,9 +46,7 @@ def log_of_arrays(t_ns: ArrayLike, gyro: ArrayLike, specific_force: ArrayLike, m
 
 
 def _vectors(name: str, t_ns: ArrayLike, values: ArrayLike) -> Vectors:
-    stamps = integer_stamps(f"t_ns of {name}", t_ns)
-    if stamps.ndim != 1 or not len(stamps):
-        raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
+    stamps = integer_stamps(f"t_ns of {name}", t_ns).ravel()
     return Vectors(stamps, numbers(name, values, len(stamps), 3, whole=True))
 
 
@@ -58,17 +56,14 @@ def sensors_of(log: Log) -> dict[str, SensorArrays]:
     Raises
     ------
     InputError
-        If a reading is too large.
+        If a reading is not finite, or too large.
     """
     for sensor, vectors in log.sensors.items():
-        rows, _ = np.nonzero(np.abs(vectors.values) > MAX_READING)
+        rows, _ = np.nonzero(~(np.abs(vectors.values) <= MAX_READING))
         if len(rows):
             told = f"{log.name}: reading {rows[0] + 1} of the {sensor} is ({numerals(vectors.values[rows[0]])})"
             raise InputError(f"{told}, and no sensor reads more than {MAX_READING:g}: remove it")
-    other = log.accelerometer
-    force = None if other is None else other.values
-    if other is not None and not np.array_equal(other.t_ns, log.gyro.t_ns):
-        force = other.at(log.gyro.t_ns)
+    force = None if log.accelerometer is None else log.accelerometer.at(log.gyro.t_ns)
     unknown = {"gyro_bias": None, "accelerometer_bias": None, "orientation_xyzw": None}
     found = {"imu": _arrays(log.gyro, {"gyro": log.gyro.values, "specific_force": force, **unknown})}
     if log.magnetometer is not None:
@@ -86,23 +81,20 @@ def truth_of(log: Log, given: GivenTruth) -> SampledTruth | None:
     if given is None:
         return None
     if isinstance(given, str | Path):
-        is_file = Path(given).exists()
-        if not is_file and log.gyro.arrival_ns is None:
-            raise InputError(f"truth {given} is no file, and {log.name} no bag with topics: give its path")
-        times, poses = stamped_poses(given if is_file else log.name, None if is_file else f"{given}")
+        is_topic = log.gyro.arrival_ns is not None and not Path(given).exists()
+        times, poses = stamped_poses(log.name, f"{given}") if is_topic else stamped_poses(given)
         given = times, poses[:, 3:]
-    known = given
     if isinstance(given, tuple) and len(given) == 2:
         stamps, attitude = map(np.asarray, given)
         if attitude.shape == (*stamps.shape, 4) and attitude.dtype.kind == "f":
             seen = ~np.isnan(attitude).all(axis=-1)
             stamps = stamps[seen]
             attitude = attitude[seen]
-        known = SampledTruth(stamps, attitude)
-    if not isinstance(known, SampledTruth):
+        given = SampledTruth(stamps, attitude)
+    if not isinstance(given, SampledTruth):
         raise InputError("truth: give (t_ns, attitude_xyzw), a SampledTruth, a file, or a topic of the log")
-    require_overlap(log.name, {"truth": known.stamps_ns, "log": log.gyro.t_ns}, "bring them to one clock")
-    return known
+    require_overlap(log.name, {"truth": given.stamps_ns, "log": log.gyro.t_ns}, "bring them to one clock")
+    return given
 
 
 def declared_sensors(file: str | Path | Mapping[str, object], sensors: Mapping[str, SensorArrays]) -> Scenario:
@@ -116,7 +108,8 @@ def declared_sensors(file: str | Path | Mapping[str, object], sensors: Mapping[s
     given = dict(file) if isinstance(file, Mapping) else gather(None, [file], [])
     for name, arrays in sensors.items():
         steps = np.diff(arrays.t_ns)
-        if not (steps > 0).any():
+        rising = steps[steps > 0]
+        if not len(rising):
             raise InputError(f"the stamps of the {name} do not rise, and tell no rate: correct them")
-        given[f"{name}_rate"] = float(NS / np.median(steps[steps > 0]))
+        given[f"{name}_rate"] = float(NS / np.median(rising))
     return Scenario.from_parameters(given)

@@ -480,9 +480,9 @@ def bag_of_two(path: Path) -> Path:
 
 BAD: list[tuple[Make, dict[str, object], str]] = [
     (lambda path: path / "none.csv", {}, "none.csv"),
-    (text(""), {}, "is empty"),
+    (text(""), {}, "no row"),
     (text(HEADER), {}, "no row"),
-    (text("hello", "world"), {}, "hello"),
+    (text("hello", "world"), {}, "no row"),
     (lambda path: write_text(path / "log.csv", b"\x89PNG\r\n\x1a\n\0\0"), {}, "no text"),
     *(
         (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], cell), *LINES[4:]), {}, "line 5")
@@ -502,7 +502,7 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text(HEADER, *LINES), {"columns": {"gyro_x": "hx"}}, "hx"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": 99}}, "99"),
     (text(HEADER, *LINES), {"columns": ["gx"]}, "wx:deg/s"),
-    (text(HEADER, *[f"2024-13-45 10:11:12{line[line.index(',') :]}" for line in LINES]), {}, "no time"),
+    (text(HEADER, *[f"2024-13-45 10:11:12{line[line.index(',') :]}" for line in LINES]), {}, "line 2: Month"),
     (text('"' + "9" * 200_000 + ",gx,gy,gz", *LINES), {}, "such as t=1"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": "ax"}}, "three axes"),
     (text(HEADER, *LINES), {"columns": {"gyro_x": "gx:kg", "gyro_y": "gy:kg", "gyro_z": "gz:kg"}}, "kg"),
@@ -511,10 +511,10 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (text(HEADER, *LINES), {"imu": "/imu"}, "columns"),
     (lambda path: write_text(path / "old.bag", b"#ROSBAG V2.0\n"), {}, "rosbags-convert"),
     (gap_between_sensors, {}, "overlap"),
-    (damaged_zip, {}, "damaged"),
-    (lambda path: write_text(path / "z.zip", b"PK\3\4" + bytes(40)), {}, "damaged"),
-    (long_zip, {}, "has a line"),
-    (lambda path: path, {}, "nothing"),
+    (damaged_zip, {}, "cannot be read"),
+    (lambda path: write_text(path / "z.zip", b"PK\3\4" + bytes(40)), {}, "cannot be read"),
+    (long_zip, {}, "no gyro"),
+    (lambda path: path, {}, "no row"),
     (bag_of_text, {}, "SQLite"),
     (bag_without_imu, {}, "/pose"),
     (bag_of_two, {}, "/other"),

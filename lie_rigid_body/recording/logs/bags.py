@@ -53,7 +53,9 @@ class Vectors:
     variance: Array | None = None
 
     def at(self, t_ns: Integers) -> Array:
-        """Readings at other stamps, shape (K, 3), linear between their own in the order of time."""
+        """Readings at stamps, shape (K, 3): their own, or linear between them in the order of time."""
+        if np.array_equal(t_ns, self.t_ns):
+            return self.values
         order = np.argsort(self.t_ns, kind="stable")
         return linear(t_ns, self.t_ns[order], self.values[order])
 
@@ -66,7 +68,7 @@ def read_bag(path: Path, imu: str | None, magnetometer: str | None) -> tuple[dic
     BagError
         If it cannot be read, or a topic has to be chosen.
     InputError
-        If it has no gyro, or a reading is not finite.
+        If it has no gyro.
     """
     contents = bag_contents(path, nothing)
     found = dict[str, Vectors]()
@@ -85,33 +87,25 @@ def read_bag(path: Path, imu: str | None, magnetometer: str | None) -> tuple[dic
 def _chosen(path: Path, contents: McapContents, kind: str, option: str, given: str | None) -> RawTopic | None:
     """The topic of a type that is given, or the only one; None where no magnetometer is there."""
     tracks = [track for track in contents.tracks.values() if track.count and not track.topic.endswith(_TRUE)]
-    alike = {track.topic: track for track in tracks if track.message_type == kind}
-    wanted = [*alike] if given is None else [given]
-    if len(wanted) == 1 and wanted[0] in alike:
-        return alike[wanted[0]]
-    if not wanted and kind != IMU:
+    alike = [track for track in tracks if track.message_type == kind]
+    chosen = [track for track in alike if given in (None, track.topic)]
+    if len(chosen) == 1:
+        return chosen[0]
+    if kind != IMU and given is None and not alike:
         return None
-    there = listed([*alike] or [f"{track.topic} of {track.message_type}" for track in tracks]) or "no message at all"
+    there = listed([f"{track.topic} of {track.message_type}" for track in alike or tracks]) or "no message at all"
+    named = "" if given is None else f" called {shown(given)}"
     remedy = f"choose one by --{option}, in Python {option}=" if alike else "record one"
-    asked = "" if given is None else f", and none is {shown(given)}"
-    raise BagError(f"{path} has {len(alike)} topics of {kind}: there is {there}{asked}: {remedy}")
+    raise BagError(f"{path} has {len(chosen)} topics of {kind}{named}: there is {there}: {remedy}")
 
 
 def _read(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[str, Vectors]]:
     """The sensors on a topic, and their readings."""
     where = places(track.message_type)
-    fields = _FIELDS[track.message_type]
-    columns = [[*where[field], *where[f"{field}_covariance"][::4]] for field in fields.values()]
-    parts = [
-        (decoded.stamps_ns, logged_ns, decoded.numbers[:, columns])
-        for logged_ns, decoded in stamped_numbers(path, contents, track)
-    ]
-    t_ns, logged_ns, numbers = (np.concatenate(each) for each in zip(*parts, strict=True))
-    for i, (sensor, field) in enumerate(fields.items()):
-        values, variance = np.hsplit(numbers[:, i], 2)
-        if (variance[:, 0] == NOT_GIVEN).all():
-            continue
-        if len(bad := np.flatnonzero(~np.isfinite(values).all(axis=1))):
-            told = f"the {field} of message {bad[0] + 1} on {track.topic}, one of {len(bad)} such, is not finite"
-            raise InputError(f"{path}: {told}: leave them out")
-        yield sensor, Vectors(t_ns, values, logged_ns, variance if variance.any() else None)
+    logged_ns, decoded = stamped_numbers(path, contents, track)
+    assert decoded.stamps_ns is not None
+    for sensor, field in _FIELDS[track.message_type].items():
+        variance = decoded.numbers[:, where[f"{field}_covariance"][::4]]
+        if not (variance[:, 0] == NOT_GIVEN).all():
+            values = decoded.numbers[:, where[field]]
+            yield sensor, Vectors(decoded.stamps_ns, values, logged_ns, variance if variance.any() else None)

@@ -73,15 +73,17 @@ _OTHERS: Final = re.compile(
     r"quat|orient|euler|attitude|bias|cov|integral|relative|setpoint|offset|std|sigma|angularacc|heading|vector|delta"
 )
 """Words of columns that are no readings."""
-_TIME_WORDS: Final = re.compile(r"time|stamp|epoch|elapsed|millis|micros|seconds|^(t|ts|secs?)$")
-_NO_TIMES: Final = re.compile(r"relative|zone|sync|offset|exposure|delta")
-LAYOUTS: Final[Mapping[str, tuple[str, Mapping[str, str]]]] = {
-    "secondselapsed": ("Sensor Logger", {MAGNETOMETER: "µT"}),
-    "gfx": ("Physics Toolbox", {ACCELEROMETER: "g", MAGNETOMETER: "µT"}),
-    "gyroadcx": ("Betaflight", {GYRO: "deg/s"}),
-    "attribute": ("VMU931", {GYRO: "deg/s", ACCELEROMETER: "g", MAGNETOMETER: "µT", TIME: "ms"}),
+_TIME_WORDS: Final = re.compile(
+    r"(?!.*(?:relative|zone|sync|offset|exposure|delta))"
+    r"(?:.*(?:time|stamp|epoch|elapsed|millis|micros|seconds)|(?:t|ts|secs?)$)"
+)
+LAYOUTS: Final[Mapping[tuple[str, ...], tuple[str, Mapping[str, str]]]] = {
+    ("seconds", "elapsed"): ("Sensor Logger", {MAGNETOMETER: "µT"}),
+    ("g", "f"): ("Physics Toolbox", {ACCELEROMETER: "g", MAGNETOMETER: "µT"}),
+    ("gyro", "adc"): ("Betaflight", {GYRO: "deg/s"}),
+    ("attribute",): ("VMU931", {GYRO: "deg/s", ACCELEROMETER: "g", MAGNETOMETER: "µT"}),
 }
-"""Programs that are known by the name of a column, and their units that no header tells."""
+"""Programs that are known by the words of a column, and their units that no header tells."""
 
 
 @short_dataclass
@@ -106,14 +108,9 @@ class Heading:
     unit: str
 
     @property
-    def joined(self) -> str:
-        """The words as one, with the axis."""
-        return "".join(self.words) + ("" if self.axis is None else "xyz"[self.axis])
-
-    @property
     def is_time(self) -> bool:
         """Whether it is that of a time."""
-        return self.axis is None and bool(_TIME_WORDS.search(self.joined)) and not _NO_TIMES.search(self.joined)
+        return self.axis is None and bool(_TIME_WORDS.match("".join(self.words)))
 
 
 def unit_key(text: str) -> str:

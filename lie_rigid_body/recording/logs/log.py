@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import combinations
 from pathlib import Path
 from typing import Final
 
@@ -11,7 +10,7 @@ from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.recording.bag_files import METADATA_FILE, SUFFIXES
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors, read_bag
 from lie_rigid_body.recording.logs.columns import GivenColumns, read_tables
@@ -111,7 +110,10 @@ def require_overlap(name: str, times: Mapping[str, Integers], remedy: str) -> No
     times : mapping of str to ndarray of int64
     remedy : str
     """
-    for pair in combinations(times, 2):
-        if max(times[each].min() for each in pair) > min(times[each].max() for each in pair):
-            told = [f"{each} {times[each].min() / NS:.9g} to {times[each].max() / NS:.9g} s" for each in pair]
-            raise InputError(f"{name}: {' and '.join(pair)} do not overlap in time, {listed(told)}: {remedy}")
+    early = min(times, key=lambda each: times[each].max())
+    late = max(times, key=lambda each: times[each].min())
+    end_s = times[early].max() / NS
+    begin_s = times[late].min() / NS
+    if begin_s > end_s:
+        told = f"{early} ends at {end_s:.9g} s, {late} begins at {begin_s:.9g} s"
+        raise InputError(f"{name}: {early} and {late} do not overlap in time, {told}: {remedy}")

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, TypeAlias
 
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.system.bounded_input import open_file
 from lie_rigid_body.system.output_file import reason
 
 MAX_LINE_BYTES: Final = 2**20
-"""Largest size of a line, bytes: one of a thousand columns."""
-MAX_ZIP_BYTES: Final = 2**30
-"""Largest size of a zip's members, bytes: an hour of three sensors at 1 kHz."""
+"""Largest size of a line, bytes: one of a thousand columns. A longer one is read as several."""
 TextSource: TypeAlias = "Path | zipfile.Path"
 """A file, or a member of a zip."""
-_TABLES: Final = (".csv", ".txt", ".tsv", ".dat")
+_TABLE: Final = re.compile(r"[^.].*\.(csv|txt|tsv|dat)", re.IGNORECASE)
+"""Name of a table in a folder or a zip, which is not hidden."""
 _ZIP: Final = ".zip"
 
 
@@ -33,10 +33,9 @@ def lines_of(source: TextSource) -> Iterator[str]:
         If it cannot be read, is damaged, or is no text.
     """
     with _refusing(source), open_file(source) if isinstance(source, Path) else source.open("rb") as stream:
-        while line := stream.readline(MAX_LINE_BYTES + 1):
-            if len(line) > MAX_LINE_BYTES or b"\0" in line:
-                told = "is no text" if b"\0" in line else f"has a line of more than {MAX_LINE_BYTES} bytes"
-                raise InputError(f"{source} {told}, it begins {shown(line[:8])}: give a CSV or a bag")
+        while line := stream.readline(MAX_LINE_BYTES):
+            if b"\0" in line:
+                raise InputError(f"{source} is no text, it begins {shown(line[:8])}: give a CSV or a bag")
             try:
                 text = line.decode()
             except UnicodeDecodeError:  # older loggers write ° and µ so
@@ -50,26 +49,18 @@ def sources_of(path: Path) -> list[TextSource]:
     Raises
     ------
     InputError
-        If there is none, or the zip is damaged.
+        If the zip is damaged.
     """
-    every: list[TextSource]
+    every: Iterable[TextSource]
     with _refusing(path):
         if path.is_dir():
-            every = [*path.rglob("*")]
+            every = path.rglob("*")
         elif path.suffix.lower() == _ZIP:
             archive = zipfile.ZipFile(path)
-            size = sum(member.file_size for member in archive.infolist())
-            if size > MAX_ZIP_BYTES:
-                raise InputError(f"{path} unpacks to {size} bytes, and {MAX_ZIP_BYTES} are read: give a part of it")
             every = [zipfile.Path(archive, name) for name in archive.namelist()]
         else:
             return [path]
-        files = sorted((each for each in every if each.is_file()), key=str)
-    tables = [each for each in files if each.name.lower().endswith(_TABLES) and not each.name.startswith(".")]
-    if not tables:
-        there = listed([shown(each.name) for each in files]) or "nothing"
-        raise InputError(f"{path} holds {there}, where a log has CSV files: give a log")
-    return tables
+        return sorted((each for each in every if each.is_file() and _TABLE.fullmatch(each.name)), key=str)
 
 
 @contextmanager
@@ -79,7 +70,5 @@ def _refusing(source: TextSource) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except OSError as error:
-        raise InputError(f"{source} cannot be read: {reason(error)}: give a CSV or a bag") from None
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError) as error:
-        raise InputError(f"{source} is damaged or locked, {error}: unpack the zip, and give the folder") from None
+    except (OSError, zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError) as error:
+        raise InputError(f"{source} cannot be read: {reason(error)}: give a CSV, a folder of them, or a bag") from None

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import csv
-from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
-from typing import Final
+from typing import Final, TypeVar
 
-import numpy as np
-
-from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.foundation.wording import shortened
 from lie_rigid_body.recording.logs.headings import LAYOUTS, Heading, heading, sensor_of
 from lie_rigid_body.recording.logs.sources import TextSource, lines_of
-from lie_rigid_body.recording.logs.times import as_number, is_row
+from lie_rigid_body.recording.logs.times import first_times
+
+T = TypeVar("T")
 
 _MIN_CELLS: Final = 4
 """Cells of the smallest table: a time and three axes."""
 _COMMENTS: Final = ("#", "%", "//", "sep=")
 """Beginnings of lines that are no rows; a header may stand behind the first two."""
-_LONG: Final = ("Attribute", "Time stamp", "x", "y", "z")
-"""Columns of a table whose rows name their sensor."""
+_LONG: Final = ["Attribute", "Time stamp", "x", "y", "z"]
+"""Columns of a table whose rows name their sensor, where no header does."""
 
 
 @short_dataclass
@@ -50,62 +48,32 @@ class TextTable:
     words: tuple[str, ...]
 
     @property
-    def columns(self) -> str:
-        """The columns that there are, for errors."""
-        return f"the columns {listed([shown(head.text) for head in self.headings])}"
-
-    @property
     def program(self) -> tuple[str, Mapping[str, str]]:
         """The program that is known to write such a table, and its units."""
-        return next((LAYOUTS[head.joined] for head in self.headings if head.joined in LAYOUTS), ("", {}))
+        return next((LAYOUTS[head.words] for head in self.headings if head.words in LAYOUTS), ("", {}))
 
-    def error(self, line: int, told: str) -> InputError:
-        """Error in a line of the file."""
-        return InputError(f"{self.source}, line {line}: {told}: correct the row or remove it")
-
-    def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Numbers of lines, and their cells, of rows that are not blank.
+    def rows(self, read: Callable[[list[str]], T]) -> Iterator[T]:
+        """What a function reads in the cells of each row that is neither blank nor a comment.
 
         Raises
         ------
         InputError
-            If a row has not as many cells as the header.
+            If a row has not as many cells as the header, or the function raises a ValueError.
         """
         width = len(self.headings)
         lines = islice(lines_of(self.source), self.skipped, None)
-        texts = ("" if line.startswith(_COMMENTS) else line for line in lines)
-        rows = csv.reader(texts, delimiter=self.separator, skipinitialspace=True)
+        rows = csv.reader(lines, delimiter=self.separator, skipinitialspace=True)
         try:
             for cells in rows:
-                if any(cells):
+                if any(cells) and not cells[0].startswith(_COMMENTS):
                     if len(cells) < width or any(cells[width:]):
-                        told = f"has {len(cells)} cells, where the header has {width}"
-                        raise self.error(self.skipped + rows.line_num, told)
-                    yield self.skipped + rows.line_num, cells
-        except csv.Error as error:
-            raise self.error(self.skipped + rows.line_num, f"not readable as CSV, {error}") from None
-
-    def read(self, time: int, read_time: Callable[[str], int], axes: Sequence[int]) -> tuple[Integers, Array]:
-        """Times by a function, ns, and numbers in some columns, shape (N, K), of the rows that fill any of these.
-
-        Raises
-        ------
-        InputError
-            If a cell cannot be read.
-        """
-        times = array("q")
-        values = array("d")
-        for line, cells in self.rows():
-            texts = [cells[axis] for axis in axes]
-            if not any(texts):
-                continue
-            try:
-                times.append(read_time(cells[time]))
-                values.extend(map(as_number, texts))
-            except (ValueError, ArithmeticError):
-                given = listed([*map(shown, (cells[time], *texts))])
-                raise self.error(line, f"{given} is no time with {len(axes)} finite numbers") from None
-        return np.array(times), np.array(values).reshape(-1, len(axes))
+                        raise ValueError(f"{len(cells)} cells, where the header has {width}")
+                    yield read(cells)
+        except InputError:
+            raise
+        except (csv.Error, ValueError) as error:
+            where = f"{self.source}, line {self.skipped + rows.line_num}"
+            raise InputError(f"{where}: {shortened(f'{error}')}: correct the row or remove it") from None
 
 
 def read_table(source: TextSource) -> TextTable | None:
@@ -120,12 +88,13 @@ def read_table(source: TextSource) -> TextTable | None:
     for number, line in enumerate(lines_of(source)):
         separator = next((each for each in ";\t," if each in line), " ")
         cells = _cells(line, separator)
-        if not line.startswith(_COMMENTS) and is_row(cells):
+        filled = [*filter(None, cells)]
+        if not line.startswith(_COMMENTS) and 2 * len(first_times(filled)) > len(filled):
             named = _cells(header, separator)
+            of_sensor = sensor_of(heading(cells[0]).words)
             if len(named) < _MIN_CELLS:
-                of_sensor = len(cells) == len(_LONG) and sensor_of(heading(cells[0]).words)
-                named = [*_LONG] if of_sensor else [f"{i}" for i in range(1, len(cells) + 1)]
-            words = heading(cells[0] if named[0] == _LONG[0] else source.name.rpartition(".")[0]).words
+                named = _LONG if of_sensor else [f"{i}" for i in range(1, len(cells) + 1)]
+            words = heading(cells[0] if of_sensor else source.name.rpartition(".")[0]).words
             return TextTable(source, separator, [*map(heading, named)], number, words)
         if len(cells) >= _MIN_CELLS and not line.startswith(_COMMENTS[2:]):
             header = line.lstrip("#%")

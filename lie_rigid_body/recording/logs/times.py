@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from decimal import Decimal
+from math import isfinite
 from typing import Final
 
 import numpy as np
@@ -39,13 +40,17 @@ def nanoseconds(text: str, unit: int) -> int:
 
     Raises
     ------
-    ValueError, ArithmeticError
+    ValueError
         If it is none.
     """
-    time = Decimal(text) * unit
-    if abs(time) >= 2**62 or (unit == 1 and time % 1):
-        raise ValueError(f"no time: {text!r}")
-    return round(time)
+    try:
+        time = Decimal(text) * unit
+        whole = round(time)
+        if abs(whole) < 2**62 and (unit > 1 or whole == time):
+            return whole
+    except ArithmeticError:
+        pass
+    raise ValueError(f"no time: {text!r}")
 
 
 def clock_ns(text: str) -> int:
@@ -73,28 +78,18 @@ def as_number(text: str) -> float:
         If it is none, or is not finite.
     """
     number = float(text.replace(",", "."))
-    if not abs(number) < np.inf or "_" in text:
+    if "_" in text or not isfinite(number):
         raise ValueError(f"no number: {text!r}")
     return number
 
 
-def value_of(text: str) -> float:
-    """A number, or a time of day, s; NaN for what is neither."""
-    with suppress(ValueError):
-        return clock_ns(text) / NS if ":" in text else as_number(text)
-    return np.nan
-
-
-def is_row(texts: Sequence[str]) -> bool:
-    """Whether cells are those of a row: most that are filled are numbers or times of day."""
-    filled = [text for text in texts if text]
-    return 2 * len(first_times(filled)) > len(filled)
-
-
 def first_times(texts: Sequence[str]) -> Array:
-    """Times among some texts, as numbers, in s where they are times of day."""
-    found = np.array([value_of(text) for text in texts])
-    return found[np.isfinite(found)]
+    """Numbers among some texts, and times of day, s."""
+    found = list[float]()
+    for text in texts:
+        with suppress(ValueError):
+            found.append(clock_ns(text) / NS if ":" in text else as_number(text))
+    return np.array(found)
 
 
 @short_dataclass
@@ -117,7 +112,7 @@ class Clock:
 
         Raises
         ------
-        ValueError, ArithmeticError
+        ValueError
             If it is none.
         """
         return nanoseconds(text.replace(",", "."), self.unit) if self.unit else clock_ns(text)
@@ -131,16 +126,14 @@ class Clock:
         return t_ns + period * np.append(0, np.cumsum(anew)), told
 
 
-def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
-    """Clock of a column, whose unit is that of its header, of the program, or told by its first times.
+def clock_of(head: Heading, texts: Sequence[str]) -> Clock | None:
+    """Clock of a column, whose unit is that of its header, or told by its first times.
 
     Parameters
     ----------
     head : Heading
     texts : sequence of str
         Its first times.
-    unit : str
-        The one that the program is known to write.
 
     Returns
     -------
@@ -148,9 +141,9 @@ def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
         None if they are no times, or neither name, size nor steps tell the unit.
     """
     numbers = first_times(texts)
-    if len(numbers) and ":" in "".join(texts):
+    if ":" in "".join(texts):
         return Clock(0, "a time of day")
-    keys = [key for key in map(unit_key, (head.unit, unit, *head.words)) if key in UNITS[TIME]]
+    keys = [key for key in map(unit_key, (head.unit, *head.words)) if key in UNITS[TIME]]
     if keys:
         named = int(UNITS[TIME][keys[0]])
         return Clock(named, f"in {_NAMES[named]}")
@@ -167,8 +160,7 @@ def clock_of(head: Heading, texts: Sequence[str], unit: str) -> Clock | None:
     return None
 
 
-def share_that_rises(texts: Sequence[str]) -> float:
-    """Share of times that rise, in tenths, a little less where they are no numbers."""
-    numbers = first_times(texts)
+def share_that_differs(texts: Sequence[str]) -> float:
+    """Share of times that differ from the others, in tenths, a little less where they are no numbers."""
     of_day = ":" in "".join(texts)
-    return round(float(np.mean(np.diff(numbers) > 0)), 1) - 0.01 * of_day if len(numbers) > 1 else -1.0
+    return round(len(np.unique(first_times(texts))) / len(texts), 1) - 0.01 * of_day
