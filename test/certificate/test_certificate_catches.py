@@ -63,6 +63,22 @@ def without_first(count: int):
     return lambda messages: on("/twist", cut)(on("/pose", cut)(messages))
 
 
+def test_a_beginning_that_is_declared_away_in_every_field(bag, tmp_path):
+    """The motion from sample 5 on is a true one."""
+    whole = read_bag(bag)
+    start = whole.poses.stamps_ns[5].item()
+    later = declared(
+        first_sample=5,
+        start_ns=start,
+        initial_attitude_xyzw=whole.poses.values[5, 3:].tolist(),
+        initial_body_rate=whole.twists.values[5, 3:].tolist(),
+    )
+    late = on(SCENARIO, at(0, lambda m: m._replace(log_time=start)))
+    found = certificate(bag, tmp_path, lambda ms: late(later(without_first(5)(ms))))
+    assert "declaration" in broken(found)
+    assert telling(found, "late beginning", sample=5)
+
+
 def test_a_scenario_logged_at_another_time(bag, tmp_path):
     """Log times are a law of a bag of this package, whatever they are; those of a recorder are said not to be."""
     later = on(SCENARIO, at(0, lambda m: m._replace(log_time=m.log_time + 1)))

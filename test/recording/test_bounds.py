@@ -17,9 +17,14 @@ from lie_rigid_body.messages.decoding import decode_framed, decode_string
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.mcap_contents import nothing
 from lie_rigid_body.system.bounded_input import load_json
-from mutations import FIELDS
 
 MIB = 2**20
+FIELDS = {
+    1: "SS", 2: "884", 3: "2SSM", 4: "22SSM", 5: "2488M", 6: "", 7: "2M", 8: "8888M8S88", 9: "88SSD4",
+    10: "88888SS", 11: "82444488M", 12: "SM", 13: "88S", 14: "188", 15: "4",
+}  # fmt: skip
+"""Fields of the records of MCAP by opcode: numbers of some bytes, a text S, and a map or bytes M or D, whose length has
+4 bytes or 8. A message is all data behind its numbers, and a chunk is made of other records."""
 
 
 def length_places(opcode: int, content: bytes) -> Iterator[tuple[int, int]]:
