@@ -14,7 +14,6 @@ from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from random import Random
 
 import pytest
 
@@ -140,16 +139,6 @@ def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
         found = parent.submit(fuzzing.outcome, mutations.of_verb(verb, content, "estimate"), bags).result()
         assert found.broken == ""
         assert found.status in allowed
-
-
-@pytest.mark.slow
-def test_some_files_keep_the_laws(bags: dict[str, bytes], parent: ProcessPoolExecutor) -> None:
-    """Of records at random, and mutated ones."""
-    for seed in range(16):
-        random = Random(seed)
-        content = mutations.of_records(random) if seed % 2 else mutations.mutated_bag(random, bags["exact"])
-        case = mutations.of_verb(("check", "recover", "Run.from_bag")[seed % 3], content, "exact")
-        assert parent.submit(fuzzing.outcome, case, bags).result().broken == "", seed
 
 
 @pytest.mark.slow

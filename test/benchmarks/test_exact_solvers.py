@@ -13,6 +13,7 @@ from peers.elliptic import carlson_rj, third_kind
 from peers.task import ATTITUDE, INERTIA, LONG, NS, RATE, SHORT
 from peers.truth import errors
 
+pytestmark = pytest.mark.slow  # their loops are compiled anew in each process
 MOMENTUM = INERTIA * RATE
 
 

@@ -256,16 +256,6 @@ def test_a_reading_that_is_missing_doubled_displaced_or_exchanged_is_named(hones
     assert (off.unit, off.sample, off.worst) == (OFF_GRID, index, 1.0)
 
 
-@pytest.mark.parametrize("topic", ["/pose", "/twist", IMU, BIAS, MAG])
-def test_states_and_readings_under_the_stamps_of_others_are_caught(honest, tmp_path, topic):
-    shift: Change = on(
-        topic, lambda ms: [m._replace(data=m.data[:12] + b.data[12:]) for m, b in zip(ms, [ms[0], *ms], strict=False)]
-    )
-    found, _ = verdict(tamper(honest, tmp_path / "forged.mcap", shift))
-    assert found
-    assert not any("stamps" in name for name in found)
-
-
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf, 123.0])
 def test_impossible_numbers_break_laws(honest, tmp_path, value):
     for topic, end, count, law in (
@@ -290,17 +280,3 @@ def test_a_noise_free_reading_moved_by_a_billionth_is_caught(tmp_path, motion, k
     for end, law, size in ((24, "gyro", by if kind == "integrated" else 1e-9), (12, "accelerometer", 1e-9)):
         change = one(IMU, vector(end, partial(np.multiply, 1.0 + size)))
         assert verdict(tamper(path, tmp_path / "b.mcap", change))[0] == {law}
-
-
-def test_noisy_readings_replaced_by_their_noise_free_values_are_caught(tmp_path):
-    given = {"motion": "closed_form", "gyro_noise_density": 1e-6, "magnetometer_noise_density": 1e-11}
-    noisy = write(tmp_path / "a.mcap", (given, 0.2))
-    pure = messages_of(write(tmp_path / "pure.mcap", ({"motion": "closed_form"}, 0.2)))
-    for topic, law, from_end in ((IMU, "gyro", 24), (MAG, "magnetometer", 12)):
-        exact = np.frombuffer([m for m in pure if m.topic == topic][HERE].data[-8 * from_end :][:24], dtype="<f8")
-        change = one(topic, vector(from_end, partial(replaced, exact)))
-        assert verdict(tamper(noisy, tmp_path / "b.mcap", change))[0] == {law}
-
-
-def replaced(by: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    return by

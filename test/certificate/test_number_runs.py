@@ -50,7 +50,7 @@ def test_runs_are_those_of_a_list(which):
     assert (begins[1:] > ends[:-1] + 1).all()
 
 
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 0.9])
+@pytest.mark.parametrize("share", [0.0, 0.5])
 def test_samples_between_lost_ones_take_some_bytes_each(share):
     clock, count = SampleClock(0, 1000.0), 500_000
     there = np.random.default_rng(5).random(count) >= share

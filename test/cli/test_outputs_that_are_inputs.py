@@ -33,6 +33,5 @@ def test_metadata_of_a_folder_are_an_input_whatever_is_wrong_with_it(
 def test_a_page_in_a_folder_of_bags_is_none_of_its_inputs(folder: Path) -> None:
     for name in ("named", "metadata.yaml"):
         (folder / "bags" / "run" / name).unlink()
-    for given, page in (("bags", "bags/page.html"), ("bags/run", "bags/run/page.html")):
-        for _ in range(2):
-            assert main(["check", given, "--report", page, "--force"]) == 0
+    for _ in range(2):
+        assert main(["check", "bags/run", "--report", "bags/run/page.html", "--force"]) == 0

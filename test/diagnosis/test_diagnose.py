@@ -157,11 +157,11 @@ def test_nan_fails_the_probe_with_the_first_sample() -> None:
     [
         (textbook.triad_with_covariance, "No inconsistency"),
         (textbook.triad_with_deviations, "variances"),
-        (textbook.triad_for_the_body, "covariance_axes"),
+        pytest.param(textbook.triad_for_the_body, "covariance_axes", marks=pytest.mark.slow),
     ],
 )
 def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(estimate: Callable[[Any], Any], said: str) -> None:
-    found = diagnose(lambda run: estimate(run), parameters={"sensor_grade": "tactical"})
+    found = diagnose(lambda run: estimate(run), parameters={"sensor_grade": "tactical"}, **SLOWLY)
     (probe,) = (probe for probe in found.probes if probe.code == "covariance")
     assert probe.passed == (said == "No inconsistency")
     assert failed(found) == ([] if probe.passed else ["covariance"])
@@ -226,7 +226,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(HERE)
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("here", "asked_here")
 def test_verb_names_a_mistake_with_status_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = tmp_path / "out.html"
     assert main(["textbook:scalar_first", "--json", "--workers", "1", "--report", str(page)]) == 1

@@ -267,7 +267,9 @@ TILTS = [turn.as_quat() for turn in Rotation.create_group("O") if abs(turn.as_ma
 """The turns between axes of the world by which its vertical comes to lie."""
 
 
-@pytest.mark.parametrize("scenario", ["tumbling_cubesat", "asymmetric_top", "tossed_phone"])
+@pytest.mark.parametrize(
+    "scenario", ["tumbling_cubesat", "asymmetric_top", pytest.param("tossed_phone", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("noise_deg", [0.0, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_a_world_that_lies_is_told_as_such_and_not_as_what_does_the_same_to_a_motion(scenario, noise_deg):
     """Some of them are several conventions with a mounting, and to a body that spins as its own lag nearly."""

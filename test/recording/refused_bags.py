@@ -5,7 +5,6 @@ from __future__ import annotations
 from lie_rigid_body.foundation.errors import BagError, InputError
 from said import refusals
 
-NOT_OURS = "is not the JSON that lie_rigid_body writes"
 FAULTS = {
     "no topic": "x.mcap has {scenario} and no topic {topic}: record it as well",
     "no message": "x.mcap has no message on {topic}: record it while the body is published",
@@ -63,8 +62,6 @@ refused = refusals(
         },
         InputError: {
             "no JSON": "not readable as JSON",
-            "no rows": "{name}: not readable as JSON|'league --json'",
-            "no table": "is no table of a campaign",
         },
     }
 )

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import resource
 import struct
 import subprocess
 import sys
-import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,10 +17,8 @@ from bags import rewrite, write_bag
 from forged import chunk, framed
 from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
 from mcap.writer import MCAP0_MAGIC as MAGIC
-from refused_bags import NOT_OURS
 
 from foreign_bags import record, text
-from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.system import console
 from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES
@@ -43,7 +39,8 @@ for path in paths:
 """
 SCHEMA = record(3, struct.pack("<H", 1) + text("std_msgs/msg/String") + text("ros2msg") + text("string data"))
 CHANNEL = record(4, struct.pack("<HH", 1, 1) + text("/x") + text("cdr") + struct.pack("<I", 0))
-EMPTY_MESSAGE = record(5, struct.pack("<HIQQ", 1, 0, 0, 0))
+NO_NUMBERS = struct.pack("<HIQQ", 1, 0, 0, 0)
+"""Beginning of a message: channel, number and times."""
 
 
 def zstd_zeros(size: int) -> bytes:
@@ -63,9 +60,9 @@ def lz4_zeros(size: int) -> bytes:
     return begin + block * (size // (4 * MIB)) + compressor.flush()
 
 
-def full_of(one: bytes, size: int) -> bytes:
-    """A chunk with a schema, a channel, and the same record over and over."""
-    data = SCHEMA + CHANNEL + one * (size // len(one))
+def full_of(one: bytes) -> bytes:
+    """A chunk, of the largest size, with a schema, a channel, and the same record over and over."""
+    data = SCHEMA + CHANNEL + one * ((MAX_CHUNK_BYTES - 1000) // len(one))
     return chunk("zstd", len(data), zstandard.ZstdCompressor(level=1).compress(data))
 
 
@@ -82,70 +79,39 @@ def sparse(folder: Path) -> Path:
 
 def with_scenario(folder: Path, change: Callable[[str], str]) -> bytes:
     """A bag of a few samples with another scenario message."""
-    path = folder / "whole.mcap"
+    path = folder / "whole"
     if not path.exists():
         write_bag(path, count=5)
 
     def altered(number: int, topic: str, data: bytes) -> bytes:
         return encode_string(change(data[8:-1].decode())) if topic.endswith("/scenario") else data
 
-    return rewrite(path, folder / "altered.mcap", change=altered).read_bytes()
+    return rewrite(path, folder / "altered", change=altered).read_bytes()
 
 
-def with_value(folder: Path, name: str, value: object) -> bytes:
-    return with_scenario(folder, lambda text: json.dumps({**json.loads(text), name: value}))
-
-
-BOMBS: dict[str, tuple[Callable[[Path, int], bytes | Path], str]] = {
-    "zstd of 3 GiB": (lambda d, n: framed(chunk("zstd", 3 * GIB, zstd_zeros(3 * GIB))), " 3221225472 "),
-    "a record of 32 GiB in a sparse file": (lambda d, n: sparse(d), f" a record of {2**35} bytes, more than is read"),
-    "zstd of 3 GiB that claims less": (lambda d, n: framed(chunk("zstd", n, zstd_zeros(3 * GIB))), " byte 37"),
-    "lz4 of 1 GiB that claims less": (lambda d, n: framed(chunk("lz4", n, lz4_zeros(GIB))), " byte 37"),
-    "a message that is large": (
-        lambda d, n: framed(full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
-        r" \.\.\./pose ",
-    ),
-    "messages without end": (lambda d, n: framed(full_of(EMPTY_MESSAGE, n - 1000)), r" \.\.\./pose "),
-    "channels without end": (lambda d, n: framed(full_of(CHANNEL, n - 1000)), r" \.\.\./pose "),
-    "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), NOT_OURS),
-    "an integer of 60 000 digits": (
-        lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
-        NOT_OURS,
-    ),
-    "a rate of 1e308": (lambda d, n: with_value(d, "rate", 1e308), "rate"),
-    "a body rate of 1e308": (lambda d, n: with_value(d, "initial_body_rate", [1e308, -1e308, 1e308]), "body_rate"),
-    "an inertia of 1e308": (lambda d, n: with_value(d, "inertia", [1e308, 1e308, 1e308]), "inertia"),
-    "an IMU at 1e308 Hz": (lambda d, n: with_value(d, "imu_rate", 1e308), "imu_rate"),
-    "not a number": (lambda d, n: with_value(d, "rate", float("nan")), "rate"),
+BOMBS: dict[str, Callable[[Path], bytes | Path]] = {
+    "zstd of 3 GiB": lambda d: framed(chunk("zstd", 3 * GIB, zstd_zeros(3 * GIB))),
+    "a record of 32 GiB in a sparse file": sparse,
+    "zstd of 3 GiB that claims less": lambda d: framed(chunk("zstd", MAX_CHUNK_BYTES, zstd_zeros(3 * GIB))),
+    "lz4 of 1 GiB that claims less": lambda d: framed(chunk("lz4", MAX_CHUNK_BYTES, lz4_zeros(GIB))),
+    "a message that is large": lambda d: framed(full_of(record(5, NO_NUMBERS + bytes(MAX_CHUNK_BYTES - 1000)))),
+    "messages without end": lambda d: framed(full_of(record(5, NO_NUMBERS))),
+    "channels without end": lambda d: framed(full_of(CHANNEL)),
+    "a deep JSON": lambda d: with_scenario(d, lambda text: "[" * 60_000),
+    "an IMU at 1e308 Hz": lambda d: with_scenario(d, lambda text: json.dumps({**json.loads(text), "imu_rate": 1e308})),
 }
 
 
-def made(folder: Path, size: int) -> dict[Path, str]:
-    """All of them as files, and what is said of each."""
-    found = {}
-    for name, (make, said) in BOMBS.items():
-        content, path = make(folder, size), folder / f"{name.replace(' ', '_')}.mcap"
+def made(folder: Path) -> list[Path]:
+    """All of them as files."""
+    for name, make in BOMBS.items():
+        content, path = make(folder), folder / f"{name}.mcap"
         if isinstance(content, Path):
             content.rename(path)
         else:
             path.write_bytes(content)
         assert 512 * path.stat().st_blocks < 20 * MIB
-        found[path] = said
-    return found
-
-
-@pytest.mark.slow
-def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for path, said in made(tmp_path, 2 * MIB).items():
-        if "without_end" not in path.name:  # their many objects take longer to trace than to read
-            tracemalloc.start()
-        status, printed = check([str(path)]), capsys.readouterr()
-        assert tracemalloc.get_traced_memory()[1] < 40 * MIB
-        tracemalloc.stop()
-        assert re.search(said, printed.err or printed.out), printed
-        assert (status, printed.err.count("\n")) in ((2, 1), (1, 0)), printed
-        assert console.DEBUG not in printed.err
-        assert len(printed.err) <= 300
+    return sorted(folder.glob("*.mcap"))
 
 
 @pytest.mark.slow
@@ -153,7 +119,7 @@ def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pyt
 def test_none_takes_more_than_the_bound(
     tmp_path: Path, verb: str, record_property: Callable[[str, object], None]
 ) -> None:
-    paths = made(tmp_path, MAX_CHUNK_BYTES)
+    paths = made(tmp_path)
     out = "" if verb == "check" else str(tmp_path / "out")
     with subprocess.Popen(
         [sys.executable, "-c", RUN, verb, out, *map(str, paths)],

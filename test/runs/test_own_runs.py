@@ -136,35 +136,3 @@ def test_declared_sensors_give_a_bound() -> None:
     assert run.score(integrated(run)).best is not None
     with pytest.raises(InputError, match="initial_attitude_xyzw"):
         _ = run.scenario.initial_attitude_xyzw
-
-
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda run: run.scenario,
-        lambda run: run.kicks,
-        lambda run: run.sway,
-        lambda run: run.vibration,
-        lambda run: run.attitude(),
-        lambda run: run.score(TRUTH[1]),
-        lambda run: run.cramer_rao_bound(),
-        lambda run: run.gyro_bias_at([0]),
-        lambda run: run.certificate(),
-        lambda run: run.with_sensors({"gyro_noise_densities": 1.0}),
-        lambda run: TRUE.with_sensors(SENSORS),
-        lambda run: Run.from_arrays(ARRAYS[0], ARRAYS[1][:-1], ARRAYS[2]),
-        lambda run: Run.from_arrays(ARRAYS[0] / 1e9, *ARRAYS[1:]),
-        lambda run: Run.from_arrays([], np.empty((0, 3)), np.empty((0, 3))),
-        lambda run: Run.from_arrays(ARRAYS[0], ARRAYS[1] * np.nan, ARRAYS[2]),
-        lambda run: Run.from_arrays(*ARRAYS, truth=(TRUE.t_ns + 10**12, TRUTH[1])),
-        lambda run: Run.from_arrays(*ARRAYS, truth="none.tum"),
-        lambda run: Run.from_arrays(*ARRAYS, truth=TRUTH[1]),
-        lambda run: Run.from_arrays(*ARRAYS, truth=(TRUE.t_ns, TRUTH[1] * np.nan)),
-    ],
-)
-def test_what_nobody_knows_of_a_run_is_refused_in_one_line(ask) -> None:
-    run = Run.from_arrays(*ARRAYS, FIELD)
-    with pytest.raises(InputError) as error:
-        ask(run)
-    assert len(str(error.value)) < 300
-    assert "\n" not in str(error.value)

@@ -126,16 +126,19 @@ POSE_LINES = "0.0 0 0 0 0 0 0 1\n0.1 0 0 0 0 0 0 1\n"
 NO_POSES = [
     "",
     "0.0 1 2 3\n",
-    f"{POSE_LINES}0.2 0 0 0 0 0 one 1\n",
+    "# nothing\n",
+    *(f"{POSE_LINES}0.2 0 0 0 0 0 {word} 1\n" for word in ("one", "1_0", "nan", "inf")),
+    *(f"{POSE_LINES}{word} 0 0 0 0 0 0 1\n" for word in ("later", "nan", "1e999999999", "0.0")),
     "1.5,0,0,0,1,0,0,0\n",
     f"{POSE_LINES}0.1 0 0 0 0 0 0 1\n",
-    f"{POSE_LINES}0.2 0 0 0 0 0 0 0.9\n",
+    *(f"{POSE_LINES}0.2 0 0 0 0 0 0 {norm}\n" for norm in (0.9, 0.0)),
+    "\udcff\udcfe",
 ]
 
 
 def poses(text, name="hand.tum"):
     if text is not None:
-        Path(name).write_text(text)
+        Path(name).write_text(text, errors="surrogateescape")
     return with_path({"motion": "path", "path_file": name, "path_interval": 0.0})
 
 

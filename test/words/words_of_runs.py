@@ -1,4 +1,4 @@
-"""What simulations, runs, bags of estimates and estimates refuse."""
+"""What simulations, runs, bags of estimates, estimates and the assertion of the plugin refuse."""
 # mypy: ignore-errors
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import numpy as np
 
 from lie_rigid_body import Estimate, RigidBody, Run, State, simulate
 from lie_rigid_body.foundation.errors import LieRigidBodyError
+from lie_rigid_body.testing import assert_attitude
 
 RUN = simulate("tumbling_cubesat", duration=1.0, imu_rate=50.0, motion="closed_form")
 Q, T = RUN.truth.attitude_xyzw, RUN.t_ns
@@ -17,6 +18,22 @@ OWN = Run.from_arrays(RUN.imu.t_ns, RUN.imu.gyro, RUN.imu.specific_force)
 NO_TIMES = (0.0, np.nan, "60", 10**5000, np.timedelta64(1, "s"))
 NO_TOPICS = [{"pos": "/a/pose"}, {"pose": 1}, {1: "/a/pose"}, ["pose"], "pose", "x" * 1000]
 NO_NAMES = ("/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a", 3)
+NO_STAMPS = (None, "0", 0.5, [[0], [1, 2]])
+NO_SECONDS = (9.0, 1e10, 1e300, -1, np.nan, "10s")
+WITH_A_LIMIT = [
+    {"estimate": np.tile([0.0, 0.0, 0.0, 1.0], (7, 1))},
+    {"estimate": np.full((50, 4), np.nan)},
+    *({"after_s": seconds} for seconds in NO_SECONDS),
+    {"converged_deg": np.nan},
+    {"gyro_bias": np.zeros((3, 3))},
+    *({"estimate": estimate} for estimate in (None, "est")),
+    {"run": None},
+]
+
+
+def judged(**given):
+    """The assertion of the plugin, of an estimate that is right but for what is given."""
+    assert_attitude(**{"estimate": RUN.attitude().at(RUN.imu.t_ns), "run": RUN, **given})
 
 
 def simulated(**given):
@@ -66,17 +83,28 @@ REFUSED = {
         lambda: with_estimates({"/mine": Estimate(Q, gyro_bias=Q[:, :3] * np.nan)}),
         lambda: with_estimates({"/mine": Estimate(Q, covariance=np.eye(3) + np.eye(3, k=1))}),
         lambda: with_estimates({}, scores=[1]),
-        lambda: OWN.scenario,
-        lambda: OWN.kicks,
+        *(lambda name=name: getattr(OWN, name) for name in ("scenario", "kicks", "sway", "vibration")),
+        lambda: OWN.attitude(),
         lambda: OWN.score(Q),
         lambda: OWN.with_sensors({}).cramer_rao_bound(),
+        lambda: OWN.with_sensors({"gyro_noise_densities": 1.0}),
         lambda: OWN.cramer_rao_bound(),
         lambda: OWN.gyro_bias_at(T),
         lambda: OWN.certificate(),
+        *(lambda stamps=stamps: RUN.attitude().at(stamps) for stamps in NO_STAMPS),
+        *(lambda stamps=stamps: RUN.gyro_bias_at(stamps) for stamps in NO_STAMPS),
+        lambda: judged(),
+        *(lambda given=given: judged(max_rms_deg=1.0, **given) for given in WITH_A_LIMIT),
+        *(lambda limit=limit: judged(max_after=limit) for limit in ("10s", 5)),
+        *(lambda limit=limit: judged(max_rms_deg=limit) for limit in (np.nan, "1deg")),
         lambda: RUN.with_sensors({}),
         lambda: Run.from_arrays(T, OWN.imu.gyro, OWN.imu.specific_force, truth="none.tum"),
         lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro, OWN.imu.specific_force, truth=(T + 10**12, Q)),
         lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro[1:], OWN.imu.specific_force),
+        lambda: Run.from_arrays(OWN.imu.t_ns / 1e9, OWN.imu.gyro, OWN.imu.specific_force),
+        lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro * np.nan, OWN.imu.specific_force),
+        lambda: Run.from_arrays([], np.empty((0, 3)), np.empty((0, 3))),
         lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro, OWN.imu.specific_force, truth=Q),
+        lambda: Run.from_arrays(OWN.imu.t_ns, OWN.imu.gyro, OWN.imu.specific_force, truth=(T, Q * np.nan)),
     ]
 }
