@@ -33,8 +33,8 @@ MIN_DRIFT: Final = 0.01
 MIN_GROWTH: Final = 1.5
 """Smallest quotient of the logarithms of energy in the last and second quarter: 2.3 of damping, 1 of wrong units."""
 MAX_SHARE_OFF: Final = 0.25
-"""Largest distance of the rate of the rotation of a step from the rate at an end, as a share of the rate's change:
-nearer to the end than to the middle."""
+"""Largest distance of the rate of a step's rotation from that at an end, as a share of the rate's change in the step.
+It is then nearer to the end than to the middle."""
 _UNEXPLAINED: Final = "results do not converge, or to a motion neither exact nor of a known mistake"
 _HEADER: Final = ("case", "order", "error, rad", "energy drift", "momentum drift", "precision")
 

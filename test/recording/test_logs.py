@@ -482,7 +482,7 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (lambda path: path / "none.csv", {}, "none.csv"),
     (text(""), {}, "no row"),
     (text(HEADER), {}, "no row"),
-    (text("hello", "world"), {}, "no row"),
+    (text("hello", "world"), {}, "hello"),
     (lambda path: write_text(path / "log.csv", b"\x89PNG\r\n\x1a\n\0\0"), {}, "no text"),
     *(
         (text(HEADER, *LINES[:3], LINES[3].replace(LINES[3].split(",")[2], cell), *LINES[4:]), {}, "line 5")
@@ -514,7 +514,7 @@ BAD: list[tuple[Make, dict[str, object], str]] = [
     (damaged_zip, {}, "cannot be read"),
     (lambda path: write_text(path / "z.zip", b"PK\3\4" + bytes(40)), {}, "cannot be read"),
     (long_zip, {}, "no gyro"),
-    (lambda path: path, {}, "no row"),
+    (lambda path: path, {}, "no CSV"),
     (bag_of_text, {}, "SQLite"),
     (bag_without_imu, {}, "/pose"),
     (bag_of_two, {}, "/other"),

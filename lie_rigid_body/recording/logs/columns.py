@@ -16,7 +16,7 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import SI, listed, shown, suggestion
 from lie_rigid_body.recording.logs.bags import ACCELEROMETER, GYRO, MAGNETOMETER, Vectors
 from lie_rigid_body.recording.logs.headings import GRAVITY, UNITS, Heading, heading, sensor_of, unit_key
-from lie_rigid_body.recording.logs.sources import sources_of
+from lie_rigid_body.recording.logs.sources import lines_of, sources_of
 from lie_rigid_body.recording.logs.tables import TextTable, read_table
 from lie_rigid_body.recording.logs.times import Clock, as_number, clock_of, share_that_differs
 
@@ -97,9 +97,12 @@ def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], 
     InputError
         If there is no gyro or no time, or a row is at fault.
     """
-    tables = [*filter(None, map(read_table, sources_of(path)))]
+    sources = sources_of(path)
+    tables = [*filter(None, map(read_table, sources))]
     if not tables:
-        raise InputError(f"{path} has no row of numbers: give a CSV of readings, a folder of them, or a bag")
+        there = [f"{source.name} begins {shown(next(filter(None, lines_of(source)), ''))}" for source in sources]
+        told = listed(there) or "there is no CSV"
+        raise InputError(f"{path} has no row of numbers, {told}: give a CSV of readings, a folder of them, or a bag")
     _name_columns(tables, columns)
     found = defaultdict[str, list[Triple]](list)
     for table in tables:

@@ -17,6 +17,8 @@ from lie_rigid_body.system.output_file import reason
 
 MAX_LINE_BYTES: Final = 2**20
 """Largest size of a line, bytes: one of a thousand columns. A longer one is read as several."""
+MAX_ZIP_BYTES: Final = 2**30
+"""Largest size of a zip's members, bytes: an hour of three sensors at 1 kHz."""
 TextSource: TypeAlias = "Path | zipfile.Path"
 """A file, or a member of a zip."""
 _TABLE: Final = re.compile(r"[^.].*\.(csv|txt|tsv|dat)", re.IGNORECASE)
@@ -49,7 +51,7 @@ def sources_of(path: Path) -> list[TextSource]:
     Raises
     ------
     InputError
-        If the zip is damaged.
+        If the zip is damaged, or too large.
     """
     every: Iterable[TextSource]
     with _refusing(path):
@@ -57,6 +59,9 @@ def sources_of(path: Path) -> list[TextSource]:
             every = path.rglob("*")
         elif path.suffix.lower() == _ZIP:
             archive = zipfile.ZipFile(path)
+            size = sum(member.file_size for member in archive.infolist())
+            if size > MAX_ZIP_BYTES:
+                raise InputError(f"{path} unpacks to {size} bytes, and {MAX_ZIP_BYTES} are read: give a part of it")
             every = [zipfile.Path(archive, name) for name in archive.namelist()]
         else:
             return [path]
