@@ -85,6 +85,7 @@ class Search(FilterRuns):
     scatter = 0.0
     unstable_by = ""
     _short_error = np.pi
+    _scaled_beside: tuple[tuple[str, ...], ...] = ()
 
     def in_order(self, trial: Trial) -> Repairs:
         """Repairs of a trial, the one with the largest effect first; those of the output in their order."""
@@ -289,30 +290,32 @@ class Search(FilterRuns):
         """Fit a factor of the gyro near 1 beside the cheapest repairs that leave a small error: it is a note."""
         best = {t.codes: t for t in sorted(self.trials, key=lambda t: -t.error)}
         small = MENDED * best[()].error
-        known = {codes[1:] for codes in best if codes[:1] == ("gyro_scale",)}
         bases = [
             t
             for codes, t in best.items()
             if self.floor < t.error <= (small if codes else UNJUDGED)
-            and codes not in known
+            and codes not in self._scaled_beside
             and not {"gyro_scale", "time_step"} & {*codes}
         ]
         for base in sorted(bases, key=lambda t: (t.rank, t.error))[:2]:
+            self._scaled_beside += (base.codes,)
             inputs = tuple(each for each in base.mistakes if each.change)
             causes = [CODED[each.code] for each in base.mistakes if not each.change][-1:]
             for rest in (inputs, (*inputs, JOINT)):
-                scale = self._finest(1.0, 1.0 + SCALE, rest, causes)
-                self.trials += self.fully([(factor(scale), *inputs)], causes, courses=self._affordable(1))
+                error = self._error_by_factor(rest, causes)
+                if could_halve(*map(error, (1.0 - SCALE, 1.0, 1.0 + SCALE))):
+                    scale = least(error, 1.0, 1.0 + SCALE)
+                    self.trials += self.fully([(factor(scale), *inputs)], causes, courses=self._affordable(1))
 
-    def _finest(self, around: float, step: float, rest: Repairs, causes: Sequence[Cause] = ()) -> float:
-        """The best factor of the gyro near another, beside other repairs, on the first course."""
+    def _error_by_factor(self, rest: Repairs, causes: Sequence[Cause] = ()) -> Callable[[float], float]:
+        """The error by a factor of the gyro beside other repairs, on the first course, rad."""
         courses = tuple(self._affordable(1)[:1])
 
         def error(value: float) -> float:
             [trials] = self.tried([((factor(value), *rest), courses)], causes)
             return trials[-1].error
 
-        return least(error, around, step)
+        return error
 
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
         """The best constant of a repair beside others, and perhaps one of the output."""
@@ -330,7 +333,7 @@ class Search(FilterRuns):
         tried = tuple(sorted({*tried, *self._scales(rest)}))
         best = least(lambda value: left([value])[0], tried[int(np.argmin(left(tried)))], STEP)
         if left([best])[0] <= self.floor:  # a filter that corrects much hides a small error on so short a course
-            best = self._finest(best, FINE, rest)
+            best = least(self._error_by_factor(rest), best, FINE)
         return of(best)
 
     def _scales(self, rest: Repairs) -> Iterator[float]:
@@ -341,6 +344,12 @@ class Search(FilterRuns):
                 ratio = trial.track.turn_ratio() if trial.track else 0.0
                 value = float(np.clip(value / ratio if ratio > 0.0 else 0.0, 1e-7, 1e7))
             yield value
+
+
+def could_halve(below: float, at: float, above: float) -> bool:
+    """Whether the parabola through the squares of three errors, at even steps, falls to half of the middle error."""
+    fall = (above**2 - below**2) ** 2 / (8.0 * max(above**2 + below**2 - 2.0 * at**2, UNCHANGED**2))
+    return bool(at**2 - fall <= (HALVED * at) ** 2)
 
 
 def least(error: Callable[[float], float], around: float, step: float) -> float:
