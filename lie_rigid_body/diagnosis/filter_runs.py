@@ -25,7 +25,7 @@ FIRST_REST: Final = 8.0
 """Rest that a filter is given at first to settle, s."""
 MAX_REST: Final = 300.0
 """Longest rest that it is given, s."""
-SCREENED_REST: Final = 25.0
+SCREENED_REST: Final = 10.0
 """Longest rest before the short motion on which repairs are compared at first, s."""
 MAX_UPDATES: Final = 410_000
 """Readings of the gyro after which no more pairs are tried; situations and probes take up to 190 000 more."""
