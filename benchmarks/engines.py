@@ -23,6 +23,7 @@ NEEDS = {
     "dart_skeleton": "dartpy",
     "drake_plant": "pydrake",
     "pybullet_body": "pybullet",
+    "genesis_body": "genesis",
 }
 HEADER = "| engine | order | median error, rad | precision | mistakes | notes |\n| --- | --- | --- | --- | --- | --- |"
 

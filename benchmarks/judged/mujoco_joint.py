@@ -32,10 +32,14 @@ def engines() -> Iterator[tuple[str, Simulate]]:
         yield f"MuJoCo {VERSION}, {integrator}", partial(simulate, integrator=integrator)
 
 
-def model_of(case: EngineCase, step: float, integrator: str) -> mujoco.MjModel:
+def model_text(case: EngineCase, step: float, integrator: str) -> str:
     numbers = {"moments": case.principal_moments, "frame": case.inertial_frame_wxyz}
     text = {name: " ".join(map(repr, value.tolist())) for name, value in numbers.items()}
-    return mujoco.MjModel.from_xml_string(MODEL.format(step=step, integrator=integrator, **text))
+    return MODEL.format(step=step, integrator=integrator, **text)
+
+
+def model_of(case: EngineCase, step: float, integrator: str) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(model_text(case, step, integrator))
 
 
 def simulate(case: EngineCase, step: float, integrator: str) -> Answer:

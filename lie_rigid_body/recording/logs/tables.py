@@ -53,7 +53,7 @@ class TextTable:
         return next((LAYOUTS[head.words] for head in self.headings if head.words in LAYOUTS), ("", {}))
 
     def rows(self, read: Callable[[list[str]], T]) -> Iterator[T]:
-        """What a function reads in the cells of each row that is neither blank nor a comment.
+        """Read each row that is neither blank nor a comment by a function of its cells.
 
         Raises
         ------
