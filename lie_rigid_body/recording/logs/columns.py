@@ -100,8 +100,8 @@ def read_tables(path: Path, columns: GivenColumns) -> tuple[dict[str, Vectors], 
     sources = sources_of(path)
     tables = [*filter(None, map(read_table, sources))]
     if not tables:
-        there = [f"{source.name} begins {shown(next(filter(None, lines_of(source)), ''))}" for source in sources]
-        begins = listed(there) or "there is no CSV"
+        texts = [f"{source.name} begins {shown(next(filter(None, lines_of(source)), ''))}" for source in sources]
+        begins = listed(texts) or "there is no CSV"
         raise InputError(f"{path} has no row of numbers, {begins}: give a CSV of readings, a folder of them, or a bag")
     _name_columns(tables, columns)
     found = defaultdict[str, list[Triple]](list)
