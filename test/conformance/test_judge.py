@@ -20,6 +20,7 @@ from judged.own import MISTAKES, ONE_SIDED, RIGHT, engine, exact, expected
 from lie_rigid_body.conformance import CASES, Conformance, judge
 from lie_rigid_body.conformance.results import noise
 from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.lie import quaternion
 from sampled import sampled
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "engine" / "free_body.cpp"
@@ -187,7 +188,28 @@ def test_round_off_is_of_no_order(first):
     found = judge(engine("RK4", kind="float32"), (first, 2 * first, 4 * first))
     assert found.mistakes == ()
     assert found.notes == ()
-    assert all(row.order == "not judged" or row.order > 1.5 for row in found.rows)
+    assert all(row.order == "not judged" or not 0.0 < row.order < 1.5 for row in found.rows)
+
+
+def test_errors_that_grow_as_the_step_falls_are_a_mistake():
+    def damped(case, step):
+        t_s, q, w = engine("RK4")(case, step)
+        return (
+            t_s,
+            quaternion.multiply(
+                q, quaternion.exp(1e-6 * case.body_rate * case.period * np.arange(len(t_s))[:, np.newaxis])
+            ),
+            w,
+        )
+
+    assert codes(judge(damped)) == {"unexplained"}
+
+
+def test_a_mistake_is_named_only_where_most_cases_show_it():
+    def inverse(case, step):
+        return engine("RK4")(replace(case, inertia=np.linalg.inv(case.inertia)), step)
+
+    assert codes(judge(inverse)) == {"unexplained"}
 
 
 def test_a_case_cannot_be_written():
