@@ -347,9 +347,11 @@ class Search(FilterRuns):
 
 
 def could_halve(below: float, at: float, above: float) -> bool:
-    """Whether the parabola through the squares of three errors, at even steps, falls to half of the middle error."""
-    fall = (above**2 - below**2) ** 2 / (8.0 * max(above**2 + below**2 - 2.0 * at**2, UNCHANGED**2))
-    return bool(at**2 - fall <= (HALVED * at) ** 2)
+    """Whether the parabola through the squares of errors at even steps falls to half of the middle one between them."""
+    slope = 0.5 * (above**2 - below**2)
+    bend = max(0.5 * (above**2 + below**2) - at**2, UNCHANGED**2)
+    place = np.clip(-0.5 * slope / bend, -1.0, 1.0)
+    return bool(at**2 + (slope + bend * place) * place <= (HALVED * at) ** 2)
 
 
 def least(error: Callable[[float], float], around: float, step: float) -> float:
