@@ -31,7 +31,7 @@ class Published:
     name, source : str
     number : float
     tolerance : float
-        Half a unit of its last digit, or the error that the paper gives.
+        Half a unit of its last digit, the error that the paper gives, or what its rounded inputs allow.
     unit : str
     ours : callable
         Without arguments.
@@ -247,8 +247,9 @@ def main() -> None:
     for each in PUBLISHED:
         ours = each.ours()
         digits = 2 - math.floor(math.log10(each.tolerance))
-        published = f"published {each.number!r} ± {each.tolerance:g} {each.unit}".rstrip()
-        print(f"{each.name}: {published}, ours {ours:.{digits}f}, {ours - each.number:+.1e}")
+        published = f"published {each.number!r} {each.unit}".rstrip()
+        differs = f"{ours - each.number:+.1e}, where {each.tolerance:g} is allowed"
+        print(f"{each.name}: {published}, ours {ours:.{digits}f}, {differs}")
         print(f"  {each.source}\n")
         print("\n".join(f"    {line}" for line in inspect.getsource(each.ours).splitlines()), "\n")
 
