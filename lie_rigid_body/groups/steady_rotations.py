@@ -197,7 +197,7 @@ def _energy_curvature(lagrangian: Lagrangian, rate: Array, directions: Array) ->
     """
     brackets = np.einsum("abd,b->da", lagrangian.group.structure_constants, rate)  # ξ ↦ [ξ, ω]
     kinetic = directions.T @ lagrangian.inverse_metric @ directions
-    return kinetic + symmetrised(directions.T @ brackets), (np.linalg.norm(kinetic, 2))
+    return kinetic + symmetrised(directions.T @ brackets), np.linalg.norm(kinetic, 2)
 
 
 def _signs(form: Array, zero: float) -> NDArray[np.int_]:
@@ -225,7 +225,7 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
         )
     momentum = lagrangian.momenta(rate)
     size = np.linalg.norm(rate) * np.linalg.norm(momentum)
-    scale = size * (np.abs(lagrangian.group.structure_constants).max(initial=0.0))
+    scale = size * np.abs(lagrangian.group.structure_constants).max(initial=0.0)
     turned = np.linalg.norm(ad_star(lagrangian.group, rate, momentum))
     if turned > STEADY_TOLERANCE * scale:
         raise InputError(
